@@ -249,7 +249,10 @@ def interval(value: float, sd: float) -> str:
         return number(value, 4)
     power = math.floor(math.log10(half))
     places = (half < 2.95 * 10.0**power) - power
-    return f"{value:.4g} ± {half:.1g}" if power < -5 or power > 4 else f"{value:z.{max(0, places)}f} ± {half:.{max(0, places)}f}"
+    if power < -5 or power > 4:
+        return f"{value:.4g} ± {half:.1g}"
+    places = max(0, places)
+    return f"{value:z.{places}f} ± {half:.{places}f}"
 
 
 def percent(share: float) -> str:
