@@ -101,7 +101,7 @@ class Bag:
             store = rosbags.typesys.get_typestore(rosbags.typesys.Stores.ROS2_JAZZY)
             with rosbags.highlevel.AnyReader([self.path], default_typestore=store) as reader:
                 yield reader
-        except (OSError, MemoryError, _ros.WrongRobot, _Said):
+        except (OSError, _ros.WrongRobot, _Said):
             raise
         except Exception as error:  # the library's own, and what damaged bytes make of it
             text = " ".join(str(error).split())[:200] or type(error).__name__

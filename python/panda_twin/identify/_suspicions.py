@@ -18,6 +18,7 @@ _MOVES = 0.01  # rad/s
 _ROWS = 300  # at which torques are compared
 _SCALE = np.array([5.0, 5, 5, 5, 1, 1, 1])  # Nm that a model of an unloaded arm may miss
 _ANGLES = (("degrees", np.pi / 180, "deg"), ("mrad", 1e-3, "mrad"))
+_BENT = 0.17  # rad that joint 4 is bent at least, lest small angles pass for those of another unit
 
 
 def suspicions(block: Block) -> list[str]:
@@ -67,7 +68,7 @@ def _angles(q: Floats, found: list[str]) -> float:
     joint = int(np.argmin(inside))
     said = f"joint {joint + 1} is from {q[:, joint].min():.4g} to {q[:, joint].max():.4g}, beyond its limits of {model.Q_MIN[joint]:.2f} to {model.Q_MAX[joint]:.2f} rad"
     for name, factor, unit in _ANGLES:
-        if _inside(factor * q).all() and np.abs(q).max() > 3:
+        if _inside(factor * q).all() and np.abs(factor * q[:, 3]).max() > _BENT:
             found.append(f"q looks like {name}: {said}, and within them as {name}; map it with unit: {unit}")
             return factor
     pairs = [(i, j) for i, j in itertools.combinations(range(7), 2) if _inside(_swapped(q, i, j)).all()]
@@ -106,9 +107,10 @@ def _velocities(t: Floats, q: Floats, dq: Floats, found: list[str]) -> None:
         return
     product = mean.T @ slope
     cosine = product / np.maximum(np.outer(np.linalg.norm(mean, axis=0), np.linalg.norm(slope, axis=0)), 1e-12)
-    wrong = [joint for joint in moving if cosine[joint, joint] < 0.9 and abs(cosine[joint, joint]) < 0.9]
-    for i, j in itertools.combinations(wrong, 2):
-        if cosine[i, j] > 0.95 and cosine[j, i] > 0.95:
+    wrong = [joint for joint in moving if abs(cosine[joint, joint]) < 0.9]
+    apart = 1 - cosine
+    for i, j in itertools.combinations([joint for joint in moving if apart[joint, joint] > 0.01], 2):
+        if apart[i, j] < min(0.05, 0.2 * apart[i, i]) and apart[j, i] < min(0.05, 0.2 * apart[j, j]):
             found.append(f"columns of joint {i + 1} and {j + 1} look swapped: dq of {i + 1} is the slope of q of {j + 1}, and the other way round; exchange them in q or in dq")
             wrong = [joint for joint in wrong if joint not in (i, j)]
     good = [joint for joint in moving if abs(cosine[joint, joint]) >= 0.9]
@@ -199,7 +201,7 @@ def _exchanged(q: Floats, dq: Floats, ddq: Floats, tau: Floats, expected: Floats
     now = misfit(tau, expected)
     if now < 0.02:
         return False
-    best = (0.3 * now, "")
+    best = (min(0.3 * now, 1.0), "")
     for i, j in itertools.combinations(range(7), 2):
         names = f"columns of joint {i + 1} and {j + 1} look swapped in"
         turned = tuple(_swapped(values, i, j) for values in (q, dq, ddq))
