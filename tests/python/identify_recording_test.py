@@ -476,8 +476,8 @@ class RecordingTest(unittest.TestCase):
         file.unlink()
 
     def test_missing_packages_are_named(self):
-        for package, path in (("pyarrow", self.csv), ("rosbags", self.bag), ("yaml", self.table)):
-            code = f"import sys; sys.modules[{package!r}] = None; from panda_twin.identify import Recording; Recording.open({str(path)!r}, {str(self.folder / 'm.yaml') if package == 'yaml' else None!r})"
+        for package, path, mapping in (("pyarrow", self.csv, None), ("rosbags", self.bag, None), ("ruamel.yaml", self.table, "m.yaml")):
+            code = f"import sys; sys.modules[{package!r}] = None; from panda_twin.identify import Recording; Recording.open({str(path)!r}, {mapping!r})"
             done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
             self.assertRegex(done.stderr.splitlines()[-1], r"^ImportError: .* pip install 'panda-twin\[(identify|ros)\]'")
 
