@@ -6,14 +6,8 @@
 from ._compare import compare
 from ._profile import write_profile
 from ._recording import Block, Recording
-<<<<<<< HEAD
 from ._result import Comparison
-from ._timing import Timing
-
-__all__ = ["Block", "Comparison", "Recording", "Timing", "compare", "write_profile"]
-=======
 from ._suspicions import suspicions
 from ._timing import Timing
 
-__all__ = ["Block", "Recording", "suspicions", "Timing"]
->>>>>>> readlogs
+__all__ = ["Block", "Comparison", "Recording", "Timing", "compare", "suspicions", "write_profile"]

@@ -22,6 +22,7 @@ from ._recording import MappingLike, Recording
 from ._regression import fit
 from ._result import Closed, CommandDelay, Comparison, LogFacts, Open, rms
 from ._rows import MOST, Motion, Rows, joined, motions_of, rows_of
+from ._suspicions import suspicions
 from ._terms import Delay, Friction, Load
 
 Array: TypeAlias = npt.NDArray[np.float64]
@@ -189,4 +190,4 @@ class _Comparing:
 
     def _facts(self, recording: Recording) -> LogFacts:
         return LogFacts(recording.name, recording.kind, recording.sha256, recording.rows, recording.seconds, recording.timing,
-                        recording.missing, recording.notes, [])  # fmt: skip
+                        recording.missing, recording.notes, suspicions(recording.head(20.0, *({"q", "dq", "tau_J", "q_d"} & recording.columns))))  # fmt: skip
