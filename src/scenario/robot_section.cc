@@ -281,7 +281,8 @@ void Describe(Map& map, PlantSection& plant) {
       .OmitIf(figures.tau_J_delay == Duration::zero());
   map.Add("links", LinksOf(figures.links),
           "Seven links in place of the model's: mass, centre of mass in the joint's frame, inertia "
-          "about it.");
+          "about it.")
+      .OmitIf(!figures.links);
   map.Add("mass_scale", Number(plant.mass_scale, 0.5, 2),
           "Factor on the mass of every link of arm and hand; the robot's controller ignores it.")
       .OmitIf(plant.mass_scale == 1);

@@ -74,7 +74,7 @@ def load(rng, keys):
 
 def gravity(rng, keys):
     angle = rng.uniform(0, 2 * np.pi)
-    keys["plant"]["base_tilt"] = {name: f"{np.radians(x)!r} rad" for name, x in (("roll", float(np.cos(angle))), ("pitch", float(np.sin(angle))))}
+    keys["plant"]["base_tilt"] = {name: f"{float(np.radians(x))!r} rad" for name, x in (("roll", float(np.cos(angle))), ("pitch", float(np.sin(angle))))}
     return "gravity direction"
 
 
@@ -105,7 +105,7 @@ class Identity(unittest.TestCase):
     def test_the_twin_is_itself(self):
         keys = twin(0)
         del keys["plant"]["noise"]
-        result = compare(pt.run(keys).folder)
+        result = compare(pt.run(keys))
         self.assertTrue(result.passed)
         self.assertLess(np.abs(result.open.before).max(), 1e-5)
         self.assertEqual(result.causes, [])
@@ -113,7 +113,7 @@ class Identity(unittest.TestCase):
         self.assertEqual(result.closed.position_largest.max(), 0)
 
     def test_noise_is_no_cause(self):
-        result = compare(pt.run(twin(1)).folder)
+        result = compare(pt.run(twin(1)))
         self.assertEqual(result.causes, [])
         self.assertTrue(result.passed)
 
@@ -129,7 +129,7 @@ class Faults(unittest.TestCase):
             log = robots.logged(keys, seed)
             if fault in IN_LOG:
                 expected = fault(rng, log)
-            result = compare(log, against=twin(seed))
+            result = compare(log, mapping=robots.MAPPING, against=twin(seed))
             named = [cause.name for cause in result.causes]
             print(f"{seed:3} {expected:22} {named} {[round(c.share, 3) for c in result.causes]}")
             if not named:

@@ -39,7 +39,7 @@ class Recovery(unittest.TestCase):
         for seed in range(FIRST, FIRST + ROBOTS):
             truth = robots.drawn(seed)
             log = robots.logged(robots.scenario(truth, seed), seed)
-            result = compare(log, against={"name": "prior", "plant": {"friction": "none"}, "motion": {"trajectory": {"unit": "rad", "waypoints": robots.swing(12, 0)}}},
+            result = compare(log, mapping=robots.MAPPING, against={"name": "prior", "plant": {"friction": "none"}, "motion": {"trajectory": {"unit": "rad", "waypoints": robots.swing(12, 0)}}},
                              identify=["friction", "load", "delay"])  # fmt: skip
             estimate = result.identified.estimates[0]
             for parameter, value, sd, told in zip(estimate.parameters, estimate.values, estimate.sd, estimate.told):

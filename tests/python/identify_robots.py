@@ -9,6 +9,7 @@ from panda_twin.identify._model import FRICTION, body_parameters
 
 UNITS = dict(zip(FRICTION, ("Nms/rad", "Nm", "Nm", "s/rad", "rad/s")))
 CENTRE = np.array([0, -0.6, 0, -2.0, 0, 1.7, 0.8])
+FASTEST = np.array([2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61])
 SWING = np.array([1.0, 0.5, 0.9, 0.6, 1.2, 1.0, 1.4])
 
 
@@ -23,8 +24,12 @@ def swing(seconds, seed):
         for k in range(1, 6):
             q[:, joint] += rng.normal() * np.sin(2 * np.pi * 0.1 * k * t + rng.uniform(0, 2 * np.pi)) / k
         q[:, joint] *= SWING[joint] / np.abs(q[:, joint]).max()
-    q = CENTRE + q * window[:, None]
+    q = q * window[:, None]
+    q = CENTRE + q * min(1, 0.8 / np.max(np.abs(np.gradient(q, 0.05, axis=0)) / FASTEST))
     return [{"q": [round(float(x), 6) for x in row], "at": f"{at:.3f} s"} for row, at in zip(q, t)]
+
+
+MAPPING = {"columns": {"time": {"from": "time", "unit": "s"}, "q": "q", "dq": "dq", "tau_J": "tau_J"}}
 
 
 def joints(values, unit):
@@ -83,9 +88,8 @@ def scenario(truth, seed, **changes):
 
 def logged(keys, seed, jitter=1.9e-4, gaps=20):
     """What a program beside the robot logs: positions of an encoder, jittered stamps, and rows that it missed."""
-    with pt.run(keys).log as log:
-        cycles = log.cycles.load("q", "dq", "tau_J", "message_id")
-        columns = {name: np.array(cycles[name]) for name in ("q", "dq", "tau_J")}
+    cycles = pt.Log(pt.run(keys)).cycles.load("q", "dq", "tau_J")
+    columns = {name: np.array(cycles[name]) for name in ("q", "dq", "tau_J")}
     rng = np.random.default_rng(seed)
     columns["q"] = np.round(columns["q"] / 1e-6) * 1e-6
     time = 1e-3 * np.arange(len(columns["q"]))

@@ -10,6 +10,8 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from .. import model
+from .._results import RunResult
 from ..scenario import Scenario, ScenarioLike, as_scenario
 from ._causes import Cause, causes_of, residual_of
 from ._closed import closed_of, external_of
@@ -26,7 +28,7 @@ from ._suspicions import suspicions
 from ._terms import Delay, Friction, Load
 
 Array: TypeAlias = npt.NDArray[np.float64]
-LogLike = str | os.PathLike[str] | Mapping[str, Any]
+LogLike = str | os.PathLike[str] | Mapping[str, Any] | RunResult
 
 _PANDA: Any = {"name": "panda"}
 _BESIDE = ("tau_J", "theta", "tau_J_d")
@@ -47,7 +49,7 @@ def compare(
     Parameters
     ----------
     *logs
-        Of one robot with one load: a folder of results or run.mcap, libfranka's CSV, what panda_py's get_log() returned (.npz or the
+        Of one robot with one load: the result of `run`, a folder of results or run.mcap, libfranka's CSV, what panda_py's get_log() returned (.npz or the
         dict), a bag of ROS 2, or any CSV, Parquet or NPZ file with a `mapping`.
     against
         The twin: a scenario. By default that of the log, if it is the twin's own; else a Panda with its hand.
@@ -76,7 +78,7 @@ def compare(
     if unknown:
         raise ValueError(f"{', '.join(sorted(unknown))} cannot be identified; choose of {', '.join(KINDS)}")
     wanted = read_demand(demand)
-    recordings = [Recording.open(log, mapping) for log in logs]
+    recordings = [Recording.open(log.folder if isinstance(log, RunResult) else log, mapping) for log in logs]
     for recording in recordings:
         if "q" not in recording.columns:
             raise ValueError(f"{recording.name}: it has no joint positions q, and nothing can be compared without them; map its columns")
@@ -128,7 +130,8 @@ class _Comparing:
 
     def _causes(self, rows: Rows, before: Array, motions: Sequence[Motion]) -> list[Cause]:
         causes = causes_of(rows, before, self.twin)
-        if sum(cause.share for cause in causes) > _EXPLAINED or np.sum(before**2) < _LARGE**2 * np.sum(rows.tau_at(0.0) ** 2):
+        beyond = np.any((rows.q < model.Q_MIN - 0.1) | (rows.q > model.Q_MAX + 0.1))
+        if sum(cause.share for cause in causes) > _EXPLAINED and not beyond or np.sum(before**2) < _LARGE**2 * np.sum(rows.tau_at(0.0) ** 2):
             return causes
         # Nothing physical makes a twin so wrong.
         mistake = mistake_of(motions, self.twin)
@@ -172,7 +175,7 @@ class _Comparing:
                 left = left[~same]
         if found.sum() < 100:
             return None
-        return CommandDelay(np.arange(len(found)), found / found.sum(), 0)
+        return CommandDelay(np.arange(len(found), dtype=float), found / found.sum(), 0)
 
     def _found(self, rows: Rows | None, torque: Array | None, closed: Closed | None, external: Array | None) -> dict[str, Array]:
         timing = [r.timing for r in self.recordings]

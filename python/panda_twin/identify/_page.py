@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-import yaml
+import yaml  # type: ignore[import-untyped]
 
 from . import _plots
 from ._demand import KINDS
