@@ -28,7 +28,7 @@ begin = time.monotonic()
 recording = Recording.open(sys.argv[1])
 rows = sum(len(block.t) for block in recording.blocks("q", "dq", "tau_J", *sys.argv[2:]))
 assert rows == recording.rows, (rows, recording.rows)
-peak = next(int(line.split()[1]) for line in open("/proc/self/status") if line.startswith("VmHWM"))  # ru_maxrss would have the parent's
+peak = next(int(line.split()[1]) for line in open("/proc/self/status") if line.startswith("VmHWM"))  # ru_maxrss has the parent's
 print(rows, recording.timing.lost, peak // 1024, round(time.monotonic() - begin, 1))
 """
 
@@ -52,9 +52,13 @@ def own_log(run, file):
         writer = McapWriter(out, chunk_size=1 << 19, compression=CompressionType.ZSTD)
         writer.start(library=reader.get_header().library)
         schemas = {k: writer.register_schema(s.name, s.encoding, s.data) for k, s in summary.schemas.items()}
-        channels = {c.topic: writer.register_channel(c.topic, c.message_encoding, schemas[c.schema_id]) for c in summary.channels.values()}
+        channels = {
+            c.topic: writer.register_channel(c.topic, c.message_encoding, schemas[c.schema_id]) for c in summary.channels.values()
+        }
         for attachment in reader.iter_attachments():
-            writer.add_attachment(attachment.create_time, attachment.log_time, attachment.name, attachment.media_type, attachment.data)
+            writer.add_attachment(
+                attachment.create_time, attachment.log_time, attachment.name, attachment.media_type, attachment.data
+            )
         for record in reader.iter_metadata():
             writer.add_metadata(record.name, record.metadata)
         cycles, ticks = wanted["/robot/cycle"], wanted["/ext/tick"]
@@ -98,14 +102,22 @@ class MemoryTest(unittest.TestCase):
 
     def test_arrays_of_panda_py(self):
         many = ROWS // MINUTE
-        arrays = {"time": np.arange(float(ROWS))[:, None]} | {column: np.tile(self.motion[name], (many, 1)) for column, name in (("q", "q"), ("dq", "dq"), ("tau_J", "tau"))}
+        arrays = {"time": np.arange(float(ROWS))[:, None]} | {
+            column: np.tile(self.motion[name], (many, 1)) for column, name in (("q", "q"), ("dq", "dq"), ("tau_J", "tau"))
+        }
         np.savez(self.folder / "log.npz", **arrays)
         self.read(self.folder / "log.npz")
 
     def test_parquet(self):
         m = self.motion
-        table = {name: values[:, i] for column, key in (("q", "q"), ("dq", "dq"), ("tau_J", "tau")) for i, (name, values) in enumerate((n, m[key]) for n in names_of(column))}
-        with pq.ParquetWriter(self.folder / "log.parquet", pa.schema([("at_ns", pa.int64()), *((name, pa.float64()) for name in table)])) as writer:
+        table = {
+            name: values[:, i]
+            for column, key in (("q", "q"), ("dq", "dq"), ("tau_J", "tau"))
+            for i, (name, values) in enumerate((n, m[key]) for n in names_of(column))
+        }
+        with pq.ParquetWriter(
+            self.folder / "log.parquet", pa.schema([("at_ns", pa.int64()), *((name, pa.float64()) for name in table)])
+        ) as writer:
             for k in range(ROWS // MINUTE):
                 at = np.rint(1e9 * m["t"]).astype(np.int64) + k * 60 * 10**9
                 writer.write_table(pa.table({"at_ns": at, **table}), row_group_size=1 << 20)
@@ -113,14 +125,21 @@ class MemoryTest(unittest.TestCase):
 
     def test_bag(self):
         kind = "sensor_msgs/msg/JointState"
-        raw = [STORE.serialize_cdr(joint_state(EPOCH, *row), kind) for row in zip(self.motion["q"], self.motion["dq"], self.motion["tau"])]
+        raw = [
+            STORE.serialize_cdr(joint_state(EPOCH, *row), kind)
+            for row in zip(self.motion["q"], self.motion["dq"], self.motion["tau"])
+        ]
         raw = [bytes(one) for one in raw]
         with Writer(self.folder / "bag", version=9, storage_plugin=StoragePlugin.MCAP) as writer:
             connection = writer.add_connection("/joint_states", kind, typestore=STORE)
             for k in range(ROWS):
                 sec, nanosec = divmod(EPOCH + k * 10**6, 10**9)
                 data = raw[k % MINUTE]
-                writer.write(connection, EPOCH + k * 10**6, data[:4] + sec.to_bytes(4, "little") + nanosec.to_bytes(4, "little") + data[12:])
+                writer.write(
+                    connection,
+                    EPOCH + k * 10**6,
+                    data[:4] + sec.to_bytes(4, "little") + nanosec.to_bytes(4, "little") + data[12:],
+                )
         self.read(self.folder / "bag")
 
     def test_own_log(self):
