@@ -14,6 +14,7 @@ import warnings
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
+from mcap.writer import Writer as McapWriter
 from rosbags.interfaces import Nodetype
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
@@ -25,11 +26,21 @@ from panda_twin.identify import Block, Recording, suspicions
 SOURCE = pathlib.Path(__file__).parents[2]
 STORE = get_typestore(Stores.ROS2_JAZZY)
 MESSAGES = SOURCE / "tests/ros2/interfaces/franka_msgs/msg"
-STORE.register({key: value for name in ("CollisionIndicators", "Elbow", "Errors", "FrankaRobotState")
-                for key, value in get_types_from_msg((MESSAGES / f"{name}.msg").read_text(), f"franka_msgs/msg/{name}").items()})
+STORE.register(
+    {
+        key: value
+        for name in ("CollisionIndicators", "Elbow", "Errors", "FrankaRobotState")
+        for key, value in get_types_from_msg((MESSAGES / f"{name}.msg").read_text(), f"franka_msgs/msg/{name}").items()
+    }
+)
 # The older layout, of arrays; shortened.
-STORE.register(get_types_from_msg("std_msgs/Header header\nfloat64[7] q\nfloat64[7] dq\nfloat64[7] tau_j\nfloat64[6] o_f_ext_hat_k\nfloat64[16] o_t_ee\nfloat64 time\n",
-                                  "franka_msgs/msg/FrankaState"))
+STORE.register(
+    get_types_from_msg(
+        "std_msgs/Header header\nfloat64[7] q\nfloat64[7] dq\nfloat64[7] tau_j\nfloat64[6] o_f_ext_hat_k\nfloat64[16] "
+        "o_t_ee\nfloat64 time\n",
+        "franka_msgs/msg/FrankaState",
+    )
+)
 MAPPING = {"columns": {"time": {"from": "t", "unit": "ms"}, "q": {"from": "q", "unit": "deg"}, "dq": "dq", "tau_J": "tau"}}
 JOINTS = [f"panda_joint{i}" for i in range(1, 8)]
 
@@ -51,13 +62,25 @@ def names_of(column, n=7):
 def libfranka_csv(file, m, ids=None):
     """As logToCSV() of libfranka 0.9.2 writes."""
     zero = 0 * m["q"]
-    groups = [("state.q", m["q"]), ("state.q_d", m["q"]), ("state.dq", m["dq"]), ("state.dq_d", m["dq"]), ("state.tau_J", m["tau"]),
-              ("state.tau_ext_hat_filtered", zero), ("cmd.q_d", m["q"]), ("cmd.dq_d", zero), ("cmd.O_T_EE_d", np.zeros((len(zero), 16))),
-              ("cmd.O_dP_EE_d", np.zeros((len(zero), 6))), ("cmd.tau_J_d", zero)]
+    groups = [
+        ("state.q", m["q"]),
+        ("state.q_d", m["q"]),
+        ("state.dq", m["dq"]),
+        ("state.dq_d", m["dq"]),
+        ("state.tau_J", m["tau"]),
+        ("state.tau_ext_hat_filtered", zero),
+        ("cmd.q_d", m["q"]),
+        ("cmd.dq_d", zero),
+        ("cmd.O_T_EE_d", np.zeros((len(zero), 16))),
+        ("cmd.O_dP_EE_d", np.zeros((len(zero), 6))),
+        ("cmd.tau_J_d", zero),
+    ]
     ids = np.arange(len(zero)) + 5000 if ids is None else ids
     rows = np.hstack([values for _, values in groups])
     heading = "time, success_rate, " + ",".join(", ".join(names_of(name, values.shape[1])) for name, values in groups)
-    file.write_text(heading + "\n" + "".join(f"{k},0.98,{','.join(map(repr, row))}\n" for k, row in zip(ids.tolist(), rows.tolist())))
+    file.write_text(
+        heading + "\n" + "".join(f"{k},0.98,{','.join(map(repr, row))}\n" for k, row in zip(ids.tolist(), rows.tolist()))
+    )
     return file
 
 
@@ -141,7 +164,13 @@ class RecordingTest(unittest.TestCase):
     @classmethod
     def panda_py(cls):
         m = cls.motion
-        return {"time": 1e3 + 1e3 * m["t"][:, None].round(3), "q": m["q"], "dq": m["dq"], "tau_J": m["tau"], "O_T_EE": np.tile(np.eye(4).ravel(), (len(m["t"]), 1))}
+        return {
+            "time": 1e3 + 1e3 * m["t"][:, None].round(3),
+            "q": m["q"],
+            "dq": m["dq"],
+            "tau_J": m["tau"],
+            "O_T_EE": np.tile(np.eye(4).ravel(), (len(m["t"]), 1)),
+        }
 
     def refused(self, text, path, mapping=None, kind=ValueError, names=()):
         with self.assertRaisesRegex(kind, text) as caught:
@@ -197,29 +226,64 @@ class RecordingTest(unittest.TestCase):
     def test_tables_by_a_mapping(self):
         self.same(Recording.open(self.table, MAPPING), "q", "dq", "tau_J")
         file = self.folder / "map.yaml"
-        file.write_text("robot: panda\ncolumns:\n  time: {from: t, unit: ms}\n  q: {from: [q1, q2, q3, q4, q5, q6, q7], unit: deg}\n  dq: dq\n  tau_J: {from: tau, unit: Nm}\n")
+        file.write_text(
+            "robot: panda\ncolumns:\n  time: {from: t, unit: ms}\n  q: {from: [q1, q2, q3, q4, q5, q6, q7], unit: deg}\n  dq: "
+            "dq\n  tau_J: {from: tau, unit: Nm}\n"
+        )
         self.same(Recording.open(self.table, file), "q", "dq", "tau_J")
         m = self.motion
         lists = pa.FixedSizeListArray.from_arrays(pa.array(np.degrees(m["q"]).ravel()), 7)
         ragged = pa.array([row.tolist() for row in m["tau"]])
         flat = {f"dq_{i}": m["dq"][:, i] for i in range(7)}
-        pq.write_table(pa.table({"t": pa.array(EPOCH + np.rint(1e9 * m["t"]).astype(np.int64)), "q": lists, "tau": ragged, **flat}), self.folder / "t.parquet", row_group_size=150)
-        self.same(Recording.open(self.folder / "t.parquet", {"columns": {**MAPPING["columns"], "time": {"from": "t", "unit": "ns"}}}), "q", "dq", "tau_J")
+        pq.write_table(
+            pa.table({"t": pa.array(EPOCH + np.rint(1e9 * m["t"]).astype(np.int64)), "q": lists, "tau": ragged, **flat}),
+            self.folder / "t.parquet",
+            row_group_size=150,
+        )
+        self.same(
+            Recording.open(self.folder / "t.parquet", {"columns": {**MAPPING["columns"], "time": {"from": "t", "unit": "ns"}}}),
+            "q",
+            "dq",
+            "tau_J",
+        )
         np.savez(self.folder / "t.npz", t=1e3 * m["t"], q=np.degrees(m["q"]), dq=m["dq"].astype(">f8"), tau=m["tau"])
         self.same(Recording.open(self.folder / "t.npz", MAPPING), "q", "dq", "tau_J")
 
     def test_csv_of_any_separator_encoding_and_decimal(self):
-        for separator, encoding, decimal in ((";", "utf-8-sig", ","), ("\t", "utf-16", "."), (" ", "utf-8", "."), (",", "utf-8-sig", "."), ("|", "latin-1", ".")):
+        for separator, encoding, decimal in (
+            (";", "utf-8-sig", ","),
+            ("\t", "utf-16", "."),
+            (" ", "utf-8", "."),
+            (",", "utf-8-sig", "."),
+            ("|", "latin-1", "."),
+        ):
             with self.subTest(separator=separator, encoding=encoding):
-                self.same(Recording.open(table_csv(self.folder / "any.csv", self.motion, separator, encoding, decimal), MAPPING), "q", "dq", "tau_J")
+                self.same(
+                    Recording.open(table_csv(self.folder / "any.csv", self.motion, separator, encoding, decimal), MAPPING),
+                    "q",
+                    "dq",
+                    "tau_J",
+                )
         rows = self.table.read_text().splitlines()[1:]
         (self.folder / "bare.csv").write_text("\n".join(rows) + "\n")
-        columns = {"time": {"from": 0, "unit": "ms"}, "q": {"from": list(range(1, 8)), "unit": "deg"}, "dq": list(range(8, 15)), "tau_J": list(range(15, 22))}
+        columns = {
+            "time": {"from": 0, "unit": "ms"},
+            "q": {"from": list(range(1, 8)), "unit": "deg"},
+            "dq": list(range(8, 15)),
+            "tau_J": list(range(15, 22)),
+        }
         self.same(Recording.open(self.folder / "bare.csv", {"columns": columns}), "q", "dq", "tau_J")
 
     def test_exported_tables_need_no_mapping(self):
         m = self.motion
-        np.savez(self.folder / "cycles.npz", at_ns=np.rint(1e9 * m["t"]).astype(np.int64), message_id=1 + np.arange(len(m["t"]), dtype=np.uint64), q=m["q"], dq=m["dq"], tau_J=m["tau"])
+        np.savez(
+            self.folder / "cycles.npz",
+            at_ns=np.rint(1e9 * m["t"]).astype(np.int64),
+            message_id=1 + np.arange(len(m["t"]), dtype=np.uint64),
+            q=m["q"],
+            dq=m["dq"],
+            tau_J=m["tau"],
+        )
         recording = Recording.open(self.folder / "cycles.npz")
         self.assertEqual((recording.kind, recording.by_id), ("table", True))
         self.same(recording, "q", "dq", "tau_J")
@@ -231,8 +295,23 @@ class RecordingTest(unittest.TestCase):
         order = [6, 5, 4, 3, 2, 1, 0]
         turned = {**m, **{name: m[name][:, order] for name in ("q", "dq", "tau")}}
         wrench, vector = STORE.types["geometry_msgs/msg/Wrench"], STORE.types["geometry_msgs/msg/Vector3"]
-        forces = [(EPOCH + k * 10**7, STORE.types["geometry_msgs/msg/WrenchStamped"](header(EPOCH + k * 10**7, "fr3_link0"), wrench(vector(float(k), 0, 0), vector(0, 0, 0)))) for k in range(40)]
-        path = bag(self.folder / "turned", {"/left/joint_states": arm_topic(turned, [f"fr3_joint{i + 1}" for i in order]), "/f": ("geometry_msgs/msg/WrenchStamped", forces)}, StoragePlugin.SQLITE3)
+        forces = [
+            (
+                EPOCH + k * 10**7,
+                STORE.types["geometry_msgs/msg/WrenchStamped"](
+                    header(EPOCH + k * 10**7, "fr3_link0"), wrench(vector(float(k), 0, 0), vector(0, 0, 0))
+                ),
+            )
+            for k in range(40)
+        ]
+        path = bag(
+            self.folder / "turned",
+            {
+                "/left/joint_states": arm_topic(turned, [f"fr3_joint{i + 1}" for i in order]),
+                "/f": ("geometry_msgs/msg/WrenchStamped", forces),
+            },
+            StoragePlugin.SQLITE3,
+        )
         recording = Recording.open(path)
         self.same(recording, "q", "dq", "tau_J")
         self.assertRegex(" ".join(recording.notes), "Franka Research 3.*|40 messages for 400 rows")
@@ -248,7 +327,12 @@ class RecordingTest(unittest.TestCase):
                 if kind == "FrankaState":
                     put(message, q=m["q"][k], dq=m["dq"][k], tau_j=m["tau"][k], o_t_ee=np.arange(16.0))
                 else:
-                    put(message, measured_joint_state=joint_state(ns, m["q"][k], m["dq"][k], m["tau"][k]), robot_mode=2, control_command_success_rate=1.0)
+                    put(
+                        message,
+                        measured_joint_state=joint_state(ns, m["q"][k], m["dq"][k], m["tau"][k]),
+                        robot_mode=2,
+                        control_command_success_rate=1.0,
+                    )
                     message.current_errors.joint_reflex = k > 300
                     put(message.o_t_ee.pose.position, x=0.5), put(message.o_t_ee.pose.orientation, x=1.0, w=0.0)
                 messages.append((ns, message))
@@ -269,7 +353,9 @@ class RecordingTest(unittest.TestCase):
     def test_blocks_cover_the_log_once_and_overlap_as_asked(self):
         recording = Recording.open(self.csv)
         blocks = list(recording.blocks("q", seconds=0.15, overlap=0.05))
-        self.assertEqual([(round(b.t[0], 3), round(b.t[-1], 3)) for b in blocks], [(0, 0.149), (0.1, 0.249), (0.2, 0.349), (0.3, 0.399)])
+        self.assertEqual(
+            [(round(b.t[0], 3), round(b.t[-1], 3)) for b in blocks], [(0, 0.149), (0.1, 0.249), (0.2, 0.349), (0.3, 0.399)]
+        )
         t, q = whole(recording, "q", seconds=0.033)
         np.testing.assert_array_equal(q, self.motion["q"])
         self.assertEqual(recording.head(0.02, "q").columns["q"].shape, (20, 7))
@@ -283,7 +369,10 @@ class RecordingTest(unittest.TestCase):
         keep = np.delete(np.arange(400), [100, 200, 201, 202, 203, 204, 205, 206, 207])
         keep = np.sort(np.append(keep, [50, 60, 60]))
         part = {name: values[keep] for name, values in m.items()}
-        for path, by_id in ((libfranka_csv(self.folder / "gaps.csv", part, keep), True), (table_csv(self.folder / "gaps_t.csv", part), False)):
+        for path, by_id in (
+            (libfranka_csv(self.folder / "gaps.csv", part, keep), True),
+            (table_csv(self.folder / "gaps_t.csv", part), False),
+        ):
             recording = Recording.open(path, None if by_id else MAPPING)
             timing = recording.timing
             self.assertEqual((recording.by_id, recording.rows, timing.repeated, timing.lost), (by_id, 391, 3, 9))
@@ -372,7 +461,7 @@ class RecordingTest(unittest.TestCase):
         self.refused(r"q\[3\] is nan in row 10; remove the row", file, names=["q"])
         self.assertEqual(len(whole(Recording.open(file), "dq")[0]), 400)
         with_line(",".join([*cells[:5], "oops", *cells[6:]]))
-        self.refused(r"column state.q\[3\] has 'oops', which is no number", file, names=["q"])
+        self.refused(r"column state.q\[3\] has 'oops', which is no number, in row 10", file, names=["q"])
         with_line("17,1\n")
         self.refused("row 10 has 2 values and the heading 87", file)
         with_line(",".join(["17", *cells[1:]]))
@@ -450,10 +539,15 @@ class RecordingTest(unittest.TestCase):
     def test_bags_of_other_robots_are_refused(self):
         def topic(names, n=None):
             q = np.zeros(len(names))
-            return {"/joint_states": ("sensor_msgs/msg/JointState", [(k * 10**6, joint_state(k * 10**6, q, names=names)) for k in range(3)])}
+            return {
+                "/joint_states": (
+                    "sensor_msgs/msg/JointState",
+                    [(k * 10**6, joint_state(k * 10**6, q, names=names)) for k in range(3)],
+                )
+            }
 
         for k, (names, text) in enumerate((
-            (["shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint", "wrist_1_joint", "wrist_2_joint", "wrist_3_joint"], "no joints of a Panda"),
+            (["shoulder_pan_joint", "elbow_joint", *(f"wrist_{i}_joint" for i in (1, 2, 3))], "no joints of a Panda"),
             ([f"iiwa_joint_{i}" for i in range(1, 8)], "no joints of a Panda"),
             (JOINTS[:3], "3 of the 7 joints of a Panda"),
             ([f"{side}_joint{i}" for side in ("left", "right") for i in range(1, 8)], "joints of 2 arms"),
@@ -462,11 +556,38 @@ class RecordingTest(unittest.TestCase):
             with self.subTest(text=text):
                 self.refused(text, bag(self.folder / f"other{k}", topic(names)))
         string = STORE.types["std_msgs/msg/String"]
-        self.refused("its topics are /chatter", bag(self.folder / "chatter", {"/chatter": ("std_msgs/msg/String", [(1, string("x"))])}))
+        self.refused(
+            "its topics are /chatter", bag(self.folder / "chatter", {"/chatter": ("std_msgs/msg/String", [(1, string("x"))])})
+        )
+
+    def test_tables_of_other_robots_are_refused_or_said(self):
+        for name in ("fr3_joint", "iiwa_joint_"):
+            file = self.folder / "robot.csv"
+            file.write_text(self.table.read_text().replace(",q", f",{name}", 7))
+            mapping = {"columns": {**MAPPING["columns"], "q": {"from": name, "unit": "deg"}}}
+            if name == "fr3_joint":
+                self.assertIn("Franka Research 3", " ".join(Recording.open(file, mapping).notes))
+            else:
+                self.refused("column iiwa_joint_1 is named after another robot", file, mapping)
+        self.refused("q has 6 of 7 numbers", {**self.panda_py(), "q": self.motion["q"][:, :6]})
+        self.refused("it has no row", {**self.panda_py(), "q": []})
+
+    def test_a_bag_without_metadata_and_mcap_of_others(self):
+        cut = bag(self.folder / "cut_short", {"/joint_states": arm_topic(self.motion)}, StoragePlugin.SQLITE3)
+        (cut / "metadata.yaml").unlink()
+        self.same(Recording.open(cut), "q", "tau_J")
+        with open(self.folder / "other.mcap", "wb") as out:
+            writer = McapWriter(out)
+            writer.start(profile="", library="another")
+            writer.finish()
+        self.refused("other.mcap", self.folder / "other.mcap")
 
     def test_a_sparse_file_of_10_gb_is_refused_at_once(self):
         file = self.folder / "huge.csv"
-        for begin, text in ((b"", "bytes that no text has"), (self.csv.read_bytes(), "after row 400|row 401 has|no number|no CSV")):
+        for begin, text in (
+            (b"", "bytes that no text has"),
+            (self.csv.read_bytes(), "after row 400|row 401 has|no number|no CSV"),
+        ):
             with open(file, "wb") as out:
                 out.write(begin)
                 out.truncate(10 << 30)
@@ -476,8 +597,13 @@ class RecordingTest(unittest.TestCase):
         file.unlink()
 
     def test_missing_packages_are_named(self):
-        for package, path, mapping in (("pyarrow", self.csv, None), ("rosbags", self.bag, None), ("ruamel.yaml", self.table, "m.yaml")):
-            code = f"import sys; sys.modules[{package!r}] = None; from panda_twin.identify import Recording; Recording.open({str(path)!r}, {mapping!r})"
+        for package, path, mapping in (
+            ("pyarrow", self.csv, None),
+            ("rosbags", self.bag, None),
+            ("ruamel.yaml", self.table, "m.yaml"),
+        ):
+            opened = f"from panda_twin.identify import Recording; Recording.open({str(path)!r}, {mapping!r})"
+            code = f"import sys; sys.modules[{package!r}] = None; {opened}"
             done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
             self.assertRegex(done.stderr.splitlines()[-1], r"^ImportError: .* pip install 'panda-twin\[(identify|ros)\]'")
 
@@ -488,12 +614,18 @@ class RecordingTest(unittest.TestCase):
         bag(self.folder / "small", {"/joint_states": arm_topic(small)})
         bag(self.folder / "small3", {"/joint_states": arm_topic(small)}, StoragePlugin.SQLITE3)
         np.savez(self.folder / "small.npz", t=small["t"], q=small["q"], dq=small["dq"], tau=small["tau"])
-        pq.write_table(pa.table({"t": 1e3 * small["t"], **{f"{n}{i + 1}": small[n][:, i] for n in ("q", "dq", "tau") for i in range(7)}}), self.folder / "small.parquet")
+        pq.write_table(
+            pa.table({"t": 1e3 * small["t"], **{f"{n}{i + 1}": small[n][:, i] for n in ("q", "dq", "tau") for i in range(7)}}),
+            self.folder / "small.parquet",
+        )
         kinds = {
             "own.mcap": ((self.folder / "run/run.mcap").read_bytes()[:200_000], None),
             "franka.csv": (libfranka_csv(self.folder / "small.csv", small).read_bytes(), None),
             "table.csv": (table_csv(self.folder / "small_t.csv", small, ";", "utf-16").read_bytes(), MAPPING),
-            "log.npz": ((self.folder / "small.npz").read_bytes(), {"columns": {"time": {"from": "t", "unit": "s"}, "q": "q", "tau_J": "tau"}}),
+            "log.npz": (
+                (self.folder / "small.npz").read_bytes(),
+                {"columns": {"time": {"from": "t", "unit": "s"}, "q": "q", "tau_J": "tau"}},
+            ),
             "log.parquet": ((self.folder / "small.parquet").read_bytes(), MAPPING),
             "bag.mcap": ((self.folder / "small/small.mcap").read_bytes(), None),
             "bag.db3": ((self.folder / "small3/small3.db3").read_bytes(), None),
@@ -534,7 +666,9 @@ class SuspicionsTest(unittest.TestCase):
         self.assertEqual(self.said(), [])
         self.assertEqual(self.said(q_d=self.motion["q"]), [])
         noise = np.random.default_rng(1).normal(0, 0.2, self.motion["q"].shape)
-        self.assertEqual(self.said(tau_J=self.motion["tau"] + noise + np.sign(self.motion["dq"]), dq=self.motion["dq"] + 0.05 * noise), [])
+        self.assertEqual(
+            self.said(tau_J=self.motion["tau"] + noise + np.sign(self.motion["dq"]), dq=self.motion["dq"] + 0.05 * noise), []
+        )
         load = model.gravity(self.motion["q"], **model.HAND) - model.gravity(self.motion["q"])
         self.assertEqual(self.said(tau_J=self.motion["tau"] + load), [])
 
@@ -549,7 +683,10 @@ class SuspicionsTest(unittest.TestCase):
             ({"tau_J": 1e3 * m["tau"]}, "tau_J looks like mNm: it is 1000 times"),
             ({"tau_J": -m["tau"]}, "tau_J has the opposite sign"),
             ({"tau_J": m["tau"] - model.gravity(m["q"])}, "tau_J has no gravity in it"),
-            ({"tau_J": model.gravity(m["q"], g_earth=(9.81, 0, 0))}, "another robot, another direction of gravity, or a heavy load"),
+            (
+                {"tau_J": model.gravity(m["q"], g_earth=(9.81, 0, 0))},
+                "another robot, another direction of gravity, or a heavy load",
+            ),
             ({"q_d": np.degrees(m["q"])}, "q_d looks like degrees"),
             ({"q": np.repeat(m["q"][::4], 4, axis=0)}, "q changes only once in 4.0 rows"),
             ({"q": m["q"] + 4}, "q is not a Panda's"),

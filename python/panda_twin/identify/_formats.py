@@ -12,11 +12,15 @@ from ._readers import OwnLog, Source, is_libfranka, is_panda_py, libfranka, mapp
 from ._tables import ArraysTable, CsvTable, NpzTable, ParquetTable, Table
 
 _OTHERS = (  # begin of a file: what it is, what to do
-    (b"\x89PNG", "a picture"), (b"\xff\xd8\xff", "a picture"), (b"GIF8", "a picture"), (b"%PDF", "a PDF document"), (b"\x7fELF", "a program"),
-    (b"\x89HDF", "an HDF5 file; save its arrays by numpy.savez"), (b"#ROSBAG V1", "a bag of ROS 1; convert it by rosbags-convert"),
+    (b"\x89PNG", "a picture"), (b"\xff\xd8\xff", "a picture"), (b"GIF8", "a picture"), (b"%PDF", "a PDF document"),
+    (b"\x7fELF", "a program"),
+    (b"\x89HDF", "an HDF5 file; save its arrays by "
+                 "numpy.savez"), (b"#ROSBAG V1", "a bag of ROS 1; convert it by rosbags-convert"),
     (b"#ROSBAG V2", "a bag of ROS 1; convert it by rosbags-convert"), (b"\x1f\x8b", "compressed (gzip); unpack it"),
-    (b"\x28\xb5\x2f\xfd", "compressed (zstd); unpack it"), (b"BZh", "compressed (bzip2); unpack it"), (b"\xfd7zXZ", "compressed (xz); unpack it"),
-    (b"\x93NUMPY", "one array; save all arrays in one file by numpy.savez"), (b"MATLAB", "a file of MATLAB; save its arrays by numpy.savez"),
+    (b"\x28\xb5\x2f\xfd", "compressed (zstd); unpack it"), (b"BZh", "compressed (bzip2); unpack it"),
+    (b"\xfd7zXZ", "compressed (xz); unpack it"),
+    (b"\x93NUMPY", "one array; save all arrays in one file by "
+                   "numpy.savez"), (b"MATLAB", "a file of MATLAB; save its arrays by numpy.savez"),
 )  # fmt: skip
 _PICKLES = (".pkl", ".pickle", ".joblib", ".pt")
 
@@ -36,7 +40,8 @@ def _by_own_names(table: Table) -> Source:
     """A table whose columns are called as ours. Raises ValueError saying how to map others."""
     names = automatic(table.names, table.vectors)
     if names is None:
-        raise ValueError(f"{table.file} does not have the twin's names for its columns ({shortened(table.names)}); give a column mapping, such as "
+        raise ValueError(f"{table.file} does not have the twin's names for its columns ({shortened(table.names)}); give a "
+                         f"column mapping, such as "
                          "columns: {time: {from: t, unit: s}, q: {from: q_, unit: rad}, tau_J: tau_}")  # fmt: skip
     return mapped(table, names)
 
@@ -48,7 +53,10 @@ def of_file(path: pathlib.Path, mapping: Mapping_ | None) -> Source:
     with open(path, "rb") as file:
         begin = file.read(64)
     if path.suffix.lower() in _PICKLES or begin[:1] == b"\x80" and begin[1:2] in (b"\2", b"\3", b"\4", b"\5"):
-        raise ValueError(f"{path} is a pickle, and reading one runs whatever code it holds; save the log by numpy.savez('log.npz', **panda.get_log())")
+        raise ValueError(
+            f"{path} is a pickle, and reading one runs whatever code it holds; save the log by numpy.savez('log.npz', "
+            f"**panda.get_log())"
+        )
     if not begin:
         raise ValueError(f"{path} is empty")
     if begin.startswith(b"\x89MCAP0\r\n"):

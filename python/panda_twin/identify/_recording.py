@@ -61,8 +61,8 @@ class Recording:
     seconds : float
         From the first row to the last.
     columns : frozenset of str
-        Canonical columns: those of the table `cycles` of our logs, and the commands q_c, dq_c, tau_J_c. A row's command is the newest
-        that its state can show: the answer to the state before.
+        Canonical columns: those of the table `cycles` of our logs, and the commands q_c, dq_c, tau_J_c. A row's command is the
+        newest that its state can show: the answer to the state before.
     by_id : bool
         Times are the robot's own ms (message_id), not stamps.
     missing : list of (str, str)
@@ -201,7 +201,10 @@ class Recording:
             return
         bad = np.argwhere(~np.isfinite(values))[0]
         where = f"{name}[{bad[1]}]" if values.ndim == 2 else name
-        raise ValueError(f"{self._name}: {where} is {values[tuple(bad)]} in row {chunk.first_row + bad[0]}; remove the row, or leave {name} out of the comparison")
+        raise ValueError(
+            f"{self._name}: {where} is {values[tuple(bad)]} in row {chunk.first_row + bad[0]}; remove the row, or leave {name} "
+            f"out of the comparison"
+        )
 
     def _scan(self) -> None:
         source = self._source
@@ -230,7 +233,10 @@ class Recording:
         if self.rows < 2:
             raise ValueError(f"{self._name} has {self.rows} rows at different times; at least two are needed")
         if stamps and not stamps.agree(self.seconds):
-            self._by_stamps(f"message_id rises by one in {stamps.seconds / self.seconds:.3g} ms of the stamps, so it does not count the robot's ms; the stamps count")
+            self._by_stamps(
+                f"message_id rises by one in {stamps.seconds / self.seconds:.3g} ms of the stamps, so it does not count the "
+                f"robot's ms; the stamps count"
+            )
             return
         self.columns = source.columns - {name for name, there in used.items() if not there}
         self._judge(intervals, runs, success, stamps, clock.repeated)
@@ -244,21 +250,29 @@ class Recording:
         period = intervals.median()
         if not _PERIODS[0] <= period <= _PERIODS[1]:
             unit = "message_id" if self.by_id else f"time read with a unit of {self._source.time_unit:g} s"
-            factor = next((f"; it looks as if the unit were {f * self._source.time_unit:g} s" for f in (1e-3, 1e-6, 1e-9, 1e3, 1e6, 1e9)
+            factor = next((f"; it looks as if the unit were "
+                           f"{f * self._source.time_unit:g} s" for f in (1e-3, 1e-6, 1e-9, 1e3, 1e6, 1e9)
                            if _PERIODS[0] <= period * f <= _PERIODS[1] and not self.by_id), "")  # fmt: skip
-            raise ValueError(f"{self._name}: {unit} rises by {period:g} s from row to row, and a robot's log has 0.1 ms to 0.5 s{factor}; name the unit in the mapping")
+            raise ValueError(
+                f"{self._name}: {unit} rises by {period:g} s from row to row, and a robot's log has 0.1 ms to 0.5 s{factor}; "
+                f"name the unit in the mapping"
+            )
         cycle = 1e-3 if self.by_id else period
         late = stamps.intervals.late(stamps.intervals.median()) if stamps else intervals.late(cycle)
         self.timing = Timing(
             by="message_id" if self.by_id else "time", median=period * 1e3, mean=intervals.mean * 1e3, sd=intervals.sd * 1e3,
-            longest=intervals.longest * 1e3, longest_at=intervals.longest_at, lost=intervals.lost(cycle), late=late, repeated=repeated,
-            sorted=not getattr(self._source, "reordered", 0), intervals=intervals.histogram(period), held=runs.counts, success=success.histogram(),
+            longest=intervals.longest * 1e3, longest_at=intervals.longest_at, lost=intervals.lost(cycle), late=late,
+            repeated=repeated, sorted=not getattr(self._source, "reordered", 0), intervals=intervals.histogram(period),
+            held=runs.counts, success=success.histogram(),
         )  # fmt: skip
         timing = self.timing
         if repeated:
             self.notes.append(f"{repeated} rows have the time of the row before and are left out")
         if timing.lost:
-            self.notes.append(f"{timing.lost} cycles are not in the log, the longest gap is {timing.longest:.1f} ms at {timing.longest_at:.3f} s")
+            self.notes.append(
+                f"{timing.lost} cycles are not in the log, the longest gap is {timing.longest:.1f} ms at "
+                f"{timing.longest_at:.3f} s"
+            )
         if timing.late:
             self.notes.append(f"{timing.late} rows came late, by more than a quarter of the period of {timing.median:.3f} ms")
 
@@ -287,7 +301,8 @@ class _Clock:
         if np.any(steps < 0):
             row = int(np.flatnonzero(steps < 0)[0])
             before = float(t[row - 1]) if row else float(self._last)
-            raise _Unsorted(f"{self._name}: {self._key} goes back in row {chunk.first_row + row}, from {before:.6f} to {t[row]:.6f} s after the first; "
+            raise _Unsorted(f"{self._name}: {self._key} goes back in row {chunk.first_row + row}, from {before:.6f} to "
+                            f"{t[row]:.6f} s after the first; "
                             "sort the rows by time, or cut the log where it begins anew")  # fmt: skip
         keep = np.asarray(steps > 0)
         self.repeated += int(len(keep) - keep.sum())
@@ -334,4 +349,6 @@ def _finished(name: str, values: Values) -> Values:
 def _joined(parts: list[tuple[Floats, dict[str, Values]]]) -> tuple[Floats, dict[str, Values]]:
     if len(parts) == 1:
         return parts[0]
-    return np.concatenate([t for t, _ in parts]), {name: np.concatenate([columns[name] for _, columns in parts]) for name in parts[0][1]}
+    return np.concatenate([t for t, _ in parts]), {
+        name: np.concatenate([columns[name] for _, columns in parts]) for name in parts[0][1]
+    }

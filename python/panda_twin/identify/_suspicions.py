@@ -24,8 +24,8 @@ _BENT = 0.17  # rad that joint 4 is bent at least, lest small angles pass for th
 def suspicions(block: Block) -> list[str]:
     """Find units, signs and orders of columns that cannot be right.
 
-    Judged by the joint limits, by dq against the slope of q, and by tau_J against the model's torques of the measured motion, without a
-    load. A few seconds with motion suffice; what does not move is not judged. These are findings, no refusals.
+    Judged by the joint limits, by dq against the slope of q, and by tau_J against the model's torques of the measured motion,
+    without a load. A few seconds with motion suffice; what does not move is not judged. These are findings, no refusals.
 
     Parameters
     ----------
@@ -66,13 +66,19 @@ def _angles(q: Floats, found: list[str]) -> float:
     if inside.all():
         return 1.0
     joint = int(np.argmin(inside))
-    said = f"joint {joint + 1} is from {q[:, joint].min():.4g} to {q[:, joint].max():.4g}, beyond its limits of {model.Q_MIN[joint]:.2f} to {model.Q_MAX[joint]:.2f} rad"
+    low, high = model.Q_MIN[joint], model.Q_MAX[joint]
+    least, most = q[:, joint].min(), q[:, joint].max()
+    said = f"joint {joint + 1} is from {least:.4g} to {most:.4g}, beyond its limits of {low:.2f} to {high:.2f} rad"
     for name, factor, unit in _ANGLES:
         if _inside(factor * q).all() and np.abs(factor * q[:, 3]).max() > _BENT:
             found.append(f"q looks like {name}: {said}, and within them as {name}; map it with unit: {unit}")
             return factor
     pairs = [(i, j) for i, j in itertools.combinations(range(7), 2) if _inside(_swapped(q, i, j)).all()]
-    cure = f"exchanged columns, such as {pairs[0][0] + 1} and {pairs[0][1] + 1}," if pairs else "another order of the joints, another unit"
+    cure = (
+        f"exchanged columns, such as {pairs[0][0] + 1} and {pairs[0][1] + 1},"
+        if pairs
+        else "another order of the joints, another unit"
+    )
     found.append(f"q is not a Panda's: {said}; look for {cure} or another robot")
     return 1.0
 
@@ -111,14 +117,20 @@ def _velocities(t: Floats, q: Floats, dq: Floats, found: list[str]) -> None:
     apart = 1 - cosine
     for i, j in itertools.combinations([joint for joint in moving if apart[joint, joint] > 0.01], 2):
         if apart[i, j] < min(0.05, 0.2 * apart[i, i]) and apart[j, i] < min(0.05, 0.2 * apart[j, j]):
-            found.append(f"columns of joint {i + 1} and {j + 1} look swapped: dq of {i + 1} is the slope of q of {j + 1}, and the other way round; exchange them in q or in dq")
+            found.append(
+                f"columns of joint {i + 1} and {j + 1} look swapped: dq of {i + 1} is the slope of q of {j + 1}, and the other "
+                f"way round; exchange them in q or in dq"
+            )
             wrong = [joint for joint in wrong if joint not in (i, j)]
     good = [joint for joint in moving if abs(cosine[joint, joint]) >= 0.9]
     ratio = {joint: product[joint, joint] / (slope[:, joint] @ slope[:, joint]) for joint in good}
     if ratio:
         _ratio(float(np.median(list(ratio.values()))), ratio, found)
     for joint in wrong:
-        found.append(f"dq of joint {joint + 1} is not the slope of its q (cosine {cosine[joint, joint]:.2f}); look for another order of columns, or rows of another time")
+        found.append(
+            f"dq of joint {joint + 1} is not the slope of its q (cosine {cosine[joint, joint]:.2f}); look for another order of "
+            f"columns, or rows of another time"
+        )
 
 
 def _ratio(middle: float, ratio: dict[int, float], found: list[str]) -> None:
@@ -128,11 +140,17 @@ def _ratio(middle: float, ratio: dict[int, float], found: list[str]) -> None:
     elif 1 / 65 < middle < 1 / 50:
         found.append(f"q looks like degrees: its slope is {1 / middle:.1f} times dq; map it with unit: deg")
     elif any(0.9 < middle / factor < 1.1 for factor in (1e-6, 1e-3, 1e3, 1e6)):
-        found.append(f"time, q or dq has another unit: dq is {middle:.3g} times the slope of q, such as for ms read as s, or mrad/s read as rad/s; name the units in the mapping")
+        found.append(
+            f"time, q or dq has another unit: dq is {middle:.3g} times the slope of q, such as for ms read as s, or mrad/s "
+            f"read as rad/s; name the units in the mapping"
+        )
     elif middle < -0.9:
         found.append("dq has the opposite sign of the slope of q; one of the two is of another convention")
     elif not 0.9 < middle < 1.1:
-        found.append(f"dq is {middle:.3g} times the slope of q, so that the times are not those of the rows (as of rows that were taken for 1 kHz), or a unit is wrong")
+        found.append(
+            f"dq is {middle:.3g} times the slope of q, so that the times are not those of the rows (as of rows that were taken "
+            f"for 1 kHz), or a unit is wrong"
+        )
     else:
         for joint, one in ratio.items():
             if one < -0.9:
@@ -155,7 +173,10 @@ def _held(t: Floats, q: Floats, found: list[str]) -> None:
     span = np.ptp(q, axis=0).max()
     if span > 0.05 and 0.3 < same.mean() < 1:
         rows = 1 / (1 - same.mean())
-        found.append(f"q changes only once in {rows:.1f} rows: the log was written faster than the state was read, so that the true rate is about {rows * float(np.median(np.diff(t))) * 1e3:.1f} ms")
+        found.append(
+            f"q changes only once in {rows:.1f} rows: the log was written faster than the state was read, so that the true "
+            f"rate is about {rows * float(np.median(np.diff(t))) * 1e3:.1f} ms"
+        )
 
 
 def _expected(q: Floats, dq: Floats, ddq: Floats) -> Floats:
@@ -180,16 +201,22 @@ def _torques(t: Floats, q: Floats, tau: Floats, found: list[str]) -> None:
     if power / len(rows) < 25.0:  # less than 5 Nm rms: the arm stands straight
         return
     share = float((tau * expected).sum()) / power
-    for low, high, said in ((600, 1600, "tau_J looks like mNm: it is {:.0f} times the torque that holds the arm; map it with unit: mNm"),
+    for low, high, said in ((600, 1600, "tau_J looks like mNm: it is {:.0f} times the torque that holds the arm; map it "
+                                        "with unit: mNm"),
                             (0.0006, 0.0016, "tau_J looks like kNm: it is {:.2g} times the torque that holds the arm"),
-                            (-1.6, -0.6, "tau_J has the opposite sign: it is {:.2f} times the torque that holds the arm; negate it"),
-                            (-0.2, 0.2, "tau_J has no gravity in it: it is {:.2f} times the torque that holds the arm; it may be tau_J_d, or another column")):  # fmt: skip
+                            (-1.6, -0.6, "tau_J has the opposite sign: it is {:.2f} times the torque that holds the "
+                                         "arm; negate it"),
+                            (-0.2, 0.2, "tau_J has no gravity in it: it is {:.2f} times the torque that holds the arm; it may "
+                                        "be tau_J_d, or another column")):  # fmt: skip
         if low < share < high:
             if not _exchanged(q, dq, ddq, tau, expected, found):
                 found.append(said.format(share))
             return
     if not _exchanged(q, dq, ddq, tau, expected, found) and (rest := float(((tau - expected) ** 2).sum())) > 0.5 * power:
-        found.append(f"tau_J is {np.sqrt(rest / len(rows)):.0f} Nm (rms) from what holds a Panda of {np.sqrt(power / len(rows)):.0f} Nm: another robot, another direction of gravity, or a heavy load")
+        found.append(
+            f"tau_J is {np.sqrt(rest / len(rows)):.0f} Nm (rms) from what holds a Panda of {np.sqrt(power / len(rows)):.0f} "
+            f"Nm: another robot, another direction of gravity, or a heavy load"
+        )
 
 
 def _exchanged(q: Floats, dq: Floats, ddq: Floats, tau: Floats, expected: Floats, found: list[str]) -> bool:
@@ -206,10 +233,25 @@ def _exchanged(q: Floats, dq: Floats, ddq: Floats, tau: Floats, expected: Floats
         names = f"columns of joint {i + 1} and {j + 1} look swapped in"
         turned = tuple(_swapped(values, i, j) for values in (q, dq, ddq))
         of_turned = _expected(*turned) if _inside(turned[0]).all() else None
-        options = [(misfit(_swapped(tau, i, j), expected), f"{names} tau_J: exchanged, they fit the torques of the measured motion; exchange them in the mapping")]
+        options = [
+            (
+                misfit(_swapped(tau, i, j), expected),
+                f"{names} tau_J: exchanged, they fit the torques of the measured motion; exchange them in the mapping",
+            )
+        ]
         if of_turned is not None:
-            options.append((misfit(tau, of_turned), f"{names} q: exchanged, tau_J is the torque of the measured motion; exchange them in the mapping"))
-            options.append((misfit(_swapped(tau, i, j), of_turned), f"{names} q and tau_J: exchanged, both fit a Panda; exchange them in the mapping"))
+            options.append(
+                (
+                    misfit(tau, of_turned),
+                    f"{names} q: exchanged, tau_J is the torque of the measured motion; exchange them in the mapping",
+                )
+            )
+            options.append(
+                (
+                    misfit(_swapped(tau, i, j), of_turned),
+                    f"{names} q and tau_J: exchanged, both fit a Panda; exchange them in the mapping",
+                )
+            )
         best = min(best, *options, key=lambda one: one[0])
     if best[1]:
         found.append(best[1])
