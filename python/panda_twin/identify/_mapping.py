@@ -6,12 +6,12 @@ import dataclasses
 import difflib
 import math
 import os
-import pathlib
 import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from .. import _core
+from ._yaml import read_yaml
 
 _TEXTS = ("fate", "robot_mode", "motion_generator_mode", "controller_mode", "errors", "reflex_reason", "violation")
 
@@ -116,24 +116,7 @@ def load(mapping: str | os.PathLike[str] | Mapping[str, Any]) -> Mapping_:
     """
     if isinstance(mapping, Mapping):
         return _checked("the mapping", mapping)
-    try:
-        from ruamel.yaml import YAML
-        from ruamel.yaml.error import YAMLError
-    except ImportError as error:
-        raise ImportError(f"a column mapping needs ruamel.yaml ({error}): pip install 'panda-twin[identify]'") from None
-    path = pathlib.Path(mapping)
-    try:
-        keys = YAML(typ="safe", pure=True).load(path.read_text(encoding="utf-8-sig"))
-    except (
-        YAMLError,
-        ValueError,
-        TypeError,
-        LookupError,
-        RecursionError,
-        AttributeError,
-    ) as error:  # as strange texts make the library raise
-        raise ValueError(f"{path} is not YAML: {' '.join(str(error).split())[:300]}") from None
-    return _checked(str(path), keys)
+    return _checked(str(mapping), read_yaml(mapping))
 
 
 def _checked(name: str, keys: Any) -> Mapping_:

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-import yaml  # type: ignore[import-untyped]
 
 from . import _plots
 from ._demand import KINDS
@@ -15,6 +14,7 @@ from ._estimates import estimates_section
 from ._html import Cell, Cells, Html, bullets, document, escaped, folded, h2, h3, p, pre, table
 from ._sections import closed, external, timing, torques
 from ._summary import headline, in_detail, number, percent, plain, untold_of, values_after, values_before
+from ._yaml import yaml_text
 
 if TYPE_CHECKING:
     from ._demand import Item
@@ -184,7 +184,7 @@ def _profile(comparison: Comparison) -> list[Html]:
     scenario = (comparison.profile or {}).get("scenario")
     if not scenario:
         return []
-    text = yaml.safe_dump(plain(scenario), sort_keys=False, default_flow_style=None, width=120, allow_unicode=True)
+    text = yaml_text(plain(scenario))
     return [
         p("With --write profile.yaml all of this goes into a profile, which a scenario takes by the line:"),
         pre("robot: {profile: profile.yaml}"),
