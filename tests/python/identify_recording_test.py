@@ -9,6 +9,7 @@ import sys
 import tempfile
 import time
 import unittest
+import unittest.mock
 import warnings
 
 import numpy as np
@@ -316,6 +317,34 @@ class RecordingTest(unittest.TestCase):
         self.same(recording, "q", "dq", "tau_J")
         self.assertRegex(" ".join(recording.notes), "Franka Research 3.*|40 messages for 400 rows")
         self.assertEqual(whole(recording, "O_F_ext_hat_K")[1][[0, 10, 11, 200], 0].tolist(), [0, 1, 1, 20])
+
+    def test_large_bags_are_streamed(self):
+        m = motion(9000)
+        kind, messages = arm_topic(m)
+        make = STORE.types["sensor_msgs/msg/JointState"]
+        desired = [
+            (ns + 40_000_000, make(header(ns), JOINTS, one.position, one.velocity, one.effort)) for ns, one in messages
+        ]  # recorded later
+        path = bag(self.folder / "large", {"/joint_states": (kind, messages), "/desired_joint_states": (kind, desired)})
+        with unittest.mock.patch("panda_twin.identify._bags._KEPT", 0):
+            recording = Recording.open(path)
+            t, q, q_d, tau_J = whole(recording, "q", "q_d", "tau_J", seconds=1.7)
+        self.assertEqual((recording.rows, len(t)), (9000, 9000))
+        np.testing.assert_array_equal(q, m["q"])
+        np.testing.assert_array_equal(tau_J, m["tau"])
+        np.testing.assert_array_equal(q_d, q)  # of the same stamp
+
+    def test_strange_mappings_are_refused(self):
+        random_ = random.Random(5)
+        text = "robot: panda\ncolumns:\n  time: {from: t, unit: ms}\n  q: {from: [q1, q2], unit: deg}\n  tau_J: {from: tau}\n"
+        file = self.folder / "strange.yaml"
+        for _ in range(200):
+            strange = list(text)
+            for _ in range(random_.choice([1, 4])):
+                strange[random_.randrange(len(strange))] = random_.choice("{}[]:,&*!|>%@`'\"#-? \n\tq1é")
+            file.write_text("".join(strange))
+            with contextlib.suppress(ValueError):
+                Recording.open(self.table, file)
 
     def test_bags_of_franka_states_of_both_layouts(self):
         m = self.motion
