@@ -15,7 +15,7 @@ from mcap.writer import Writer as McapWriter
 from rosbags.rosbag2 import StoragePlugin, Writer
 
 import panda_twin as pt
-from identify_recording_test import EPOCH, STORE, joint_state, libfranka_csv, motion, names_of
+from identify_logs import EPOCH, STORE, joint_state, libfranka_csv, motion, names_of
 
 ROWS = 3_600_000
 MINUTE = 60_000

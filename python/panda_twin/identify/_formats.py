@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from .. import _core
-from ._mapping import Mapping_, automatic, shortened
+from ._mapping import ColumnMap, automatic, shortened
 from ._readers import OwnLog, Source, is_libfranka, is_panda_py, libfranka, mapped, panda_py
 from ._tables import ArraysTable, CsvTable, NpzTable, ParquetTable, Table
 
@@ -25,12 +25,12 @@ _OTHERS = (  # begin of a file: what it is, what to do
 _PICKLES = (".pkl", ".pickle", ".joblib", ".pt")
 
 
-def of_arrays(arrays: Mapping[str, Any], mapping: Mapping_ | None) -> Source:
+def of_arrays(arrays: Mapping[str, Any], mapping: ColumnMap | None) -> Source:
     """Open a dict of arrays: what panda_py's get_log() returns, or another by a mapping."""
     return _of_table(ArraysTable(arrays), mapping)
 
 
-def _of_table(table: Table, mapping: Mapping_ | None) -> Source:
+def _of_table(table: Table, mapping: ColumnMap | None) -> Source:
     if mapping:
         return mapped(table, mapping)
     return panda_py(table) if is_panda_py(table) and not isinstance(table, (CsvTable, ParquetTable)) else _by_own_names(table)
@@ -46,7 +46,7 @@ def _by_own_names(table: Table) -> Source:
     return mapped(table, names)
 
 
-def of_file(path: pathlib.Path, mapping: Mapping_ | None) -> Source:
+def of_file(path: pathlib.Path, mapping: ColumnMap | None) -> Source:
     """Open a file or a folder. Raises ValueError for what is no log."""
     if path.is_dir():
         return _of_folder(path, mapping)
@@ -76,7 +76,7 @@ def of_file(path: pathlib.Path, mapping: Mapping_ | None) -> Source:
     return libfranka(table) if is_libfranka(table) and not mapping else _of_table(table, mapping)
 
 
-def _of_folder(path: pathlib.Path, mapping: Mapping_ | None) -> Source:
+def _of_folder(path: pathlib.Path, mapping: ColumnMap | None) -> Source:
     if (path / "metadata.yaml").exists():
         return _bag(path, mapping)
     if len(files := list(path.glob("*.db3"))) == 1:  # a bag whose recording was cut before it wrote metadata.yaml
@@ -87,13 +87,13 @@ def _of_folder(path: pathlib.Path, mapping: Mapping_ | None) -> Source:
         raise ValueError(f"{path} has neither a log of the twin (run.mcap) nor a bag of ROS 2 (metadata.yaml): {error}") from None
 
 
-def _own(path: pathlib.Path, mapping: Mapping_ | None) -> Source:
+def _own(path: pathlib.Path, mapping: ColumnMap | None) -> Source:
     if mapping:
         raise ValueError(f"{path} is a log of the twin, whose columns are known; leave the column mapping out")
     return OwnLog(path)
 
 
-def _bag(path: pathlib.Path, mapping: Mapping_ | None) -> Source:
+def _bag(path: pathlib.Path, mapping: ColumnMap | None) -> Source:
     from ._bags import Bag
 
     if mapping:

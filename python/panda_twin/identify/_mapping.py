@@ -87,7 +87,7 @@ class Wanted:
 
 
 @dataclasses.dataclass(frozen=True)
-class Mapping_:
+class ColumnMap:
     """A column mapping, checked by itself; what the file has decides the rest."""
 
     name: str
@@ -102,7 +102,7 @@ def _nearest(name: str, names: Sequence[str]) -> str:
     return f"; did you mean {found[0]}?" if found else ""
 
 
-def load(mapping: str | os.PathLike[str] | Mapping[str, Any]) -> Mapping_:
+def load(mapping: str | os.PathLike[str] | Mapping[str, Any]) -> ColumnMap:
     """Read a mapping: a YAML file, or the same keys as a dict.
 
     Raises
@@ -119,7 +119,7 @@ def load(mapping: str | os.PathLike[str] | Mapping[str, Any]) -> Mapping_:
     return _checked(str(mapping), read_yaml(mapping))
 
 
-def _checked(name: str, keys: Any) -> Mapping_:
+def _checked(name: str, keys: Any) -> ColumnMap:
     known = ("columns", "robot", "message_id", "time", "separator", "decimal")
     if not isinstance(keys, Mapping) or not isinstance(keys.get("columns", {}), Mapping):
         raise ValueError(
@@ -144,7 +144,7 @@ def _checked(name: str, keys: Any) -> Mapping_:
         raise ValueError(f"{name} names neither time nor message_id; one of them is needed, such as time: {{from: t, unit: s}}")
     if columns.keys() <= {"time", "message_id"}:
         raise ValueError(f"{name} names no column but the time; q and tau_J are the least")
-    return Mapping_(name, columns, robot, keys.get("separator"), keys.get("decimal"))
+    return ColumnMap(name, columns, robot, keys.get("separator"), keys.get("decimal"))
 
 
 def _wanted(name: str, column: str, line: Any) -> Wanted:
@@ -173,7 +173,7 @@ def _wanted(name: str, column: str, line: Any) -> Wanted:
     return Wanted(source if one else tuple(source), unit)
 
 
-def automatic(names: Sequence[str], vectors: Mapping[str, int]) -> Mapping_ | None:
+def automatic(names: Sequence[str], vectors: Mapping[str, int]) -> ColumnMap | None:
     """The mapping of a table whose columns have the twin's own names, as `panda-twin export` writes them; else None."""
     columns = {}
     for column in WIDTHS:
@@ -193,7 +193,7 @@ def automatic(names: Sequence[str], vectors: Mapping[str, int]) -> Mapping_ | No
             columns["time"] = Wanted(time, unit)
     if "q" not in columns or not columns.keys() & {"time", "message_id"}:
         return None
-    return Mapping_("its own names", columns)
+    return ColumnMap("its own names", columns)
 
 
 def _by_prefix(prefix: str, names: Sequence[str], width: int) -> list[int]:
@@ -210,7 +210,7 @@ def _numbered(prefix: str, names: Sequence[str]) -> dict[int, int]:
     return {int(match[1]): place for place, name in enumerate(names) if (match := pattern.fullmatch(name))}
 
 
-def resolve(mapping: Mapping_, file: str, names: Sequence[str], vectors: Mapping[str, int]) -> dict[str, Column]:
+def resolve(mapping: ColumnMap, file: str, names: Sequence[str], vectors: Mapping[str, int]) -> dict[str, Column]:
     """Find a mapping's columns among those of a file.
 
     `vectors`: the columns of the file that hold more than one number in a row, with how many. Raises ValueError for what the file

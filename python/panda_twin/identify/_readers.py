@@ -14,7 +14,7 @@ import numpy.typing as npt
 from .._foreign_logs import _LIBFRANKA_COMMANDS
 from .._log import Log
 from ..scenario import Scenario
-from ._mapping import FR3, TEXTS, WIDTHS, Column, Mapping_, resolve, shortened
+from ._mapping import FR3, TEXTS, WIDTHS, Column, ColumnMap, resolve, shortened
 from ._tables import Table
 
 Values = npt.NDArray[Any]
@@ -97,7 +97,7 @@ class TableSource:
         return values.reshape(-1) if WIDTHS[name] == 1 else values.reshape(-1, WIDTHS[name])
 
 
-def mapped(table: Table, mapping: Mapping_) -> TableSource:
+def mapped(table: Table, mapping: ColumnMap) -> TableSource:
     """A table by a mapping."""
     columns = resolve(mapping, table.file, table.names, table.vectors)
     for name in columns:
