@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .._foreign_logs import import_rosbags
+from ..scenario import Scenario
 from . import _ros
 from ._cdr import Messages, layout
 from ._mapping import TEXTS, WIDTHS, shortened
@@ -78,7 +79,7 @@ class Bag:
     kind = "rosbag2"
     has_time = True
     time_unit = 1e-9
-    scenario = None
+    scenario: Scenario | None = None
 
     def __init__(self, path: pathlib.Path) -> None:
         self.path = path
@@ -101,7 +102,7 @@ class Bag:
             store = rosbags.typesys.get_typestore(rosbags.typesys.Stores.ROS2_JAZZY)
             with rosbags.highlevel.AnyReader([self.path], default_typestore=store) as reader:
                 yield reader
-        except (OSError, MemoryError, _ros.WrongRobot, _Said):
+        except (OSError, _ros.WrongRobot, _Said):
             raise
         except Exception as error:  # the library's own, and what damaged bytes make of it
             text = " ".join(str(error).split())[:200] or type(error).__name__

@@ -132,7 +132,7 @@ class Messages:
         sizes = np.fromiter(map(len, messages), np.intp, len(messages))
         for size in np.unique(sizes).tolist():
             places = np.flatnonzero(sizes == size)
-            rows = np.frombuffer(b"".join([messages[place] for place in places]), np.uint8).reshape(len(places), size)
+            rows = np.frombuffer(b"".join([messages[place] for place in places.tolist()]), np.uint8).reshape(len(places), size)
             known = self._layouts.setdefault(size, [])
             tried = 0
             while len(places):

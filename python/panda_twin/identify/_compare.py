@@ -22,6 +22,7 @@ from ._recording import MappingLike, Recording
 from ._regression import fit
 from ._result import Closed, CommandDelay, Comparison, LogFacts, Open, rms
 from ._rows import MOST, Motion, Rows, joined, motions_of, rows_of
+from ._suspicions import suspicions
 from ._terms import Delay, Friction, Load
 
 Array: TypeAlias = npt.NDArray[np.float64]
@@ -60,7 +61,7 @@ def compare(
     Returns
     -------
     Comparison
-        `passed` is the verdict; with `identify` that of the identified twin.
+        `passed` is the verdict on the twin as it is given; the identified one is beside it.
 
     Raises
     ------
@@ -118,9 +119,7 @@ class _Comparing:
         after = residual_of(rows, after_twin) if rows and found else None
         closed, closed_after = self._closed(profile)
         external = external_of(self.recordings, self.scenario)
-        left = before if after is None else after
-        best = closed_after or closed
-        values = self._found(rows, left, best, external.torque_rms if external else None)
+        values = self._found(rows, before, closed, external.torque_rms if external else None)
         torques = Open(rows.t, rows.q, rows.dq, rows.tau_at(0.0), before, after) if rows is not None and before is not None else None
         return Comparison(
             [self._facts(r) for r in self.recordings], self.scenario, torques, causes, found,
@@ -191,4 +190,4 @@ class _Comparing:
 
     def _facts(self, recording: Recording) -> LogFacts:
         return LogFacts(recording.name, recording.kind, recording.sha256, recording.rows, recording.seconds, recording.timing,
-                        recording.missing, recording.notes, [])  # fmt: skip
+                        recording.missing, recording.notes, suspicions(recording.head(20.0, *({"q", "dq", "tau_J", "q_d"} & recording.columns))))  # fmt: skip

@@ -105,7 +105,7 @@ def load(mapping: str | os.PathLike[str] | Mapping[str, Any]) -> Mapping_:
     Raises
     ------
     ImportError
-        Without pyyaml.
+        Without ruamel.yaml.
     OSError
         When there is no such file.
     ValueError
@@ -114,16 +114,15 @@ def load(mapping: str | os.PathLike[str] | Mapping[str, Any]) -> Mapping_:
     if isinstance(mapping, Mapping):
         return _checked("the mapping", mapping)
     try:
-        import yaml
+        from ruamel.yaml import YAML
+        from ruamel.yaml.error import YAMLError
     except ImportError as error:
-        raise ImportError(f"a column mapping needs pyyaml ({error}): pip install 'panda-twin[identify]'") from None
+        raise ImportError(f"a column mapping needs ruamel.yaml ({error}): pip install 'panda-twin[identify]'") from None
     path = pathlib.Path(mapping)
     try:
-        keys = yaml.safe_load(path.read_text(encoding="utf-8-sig"))
-    except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
-        raise ValueError(f"{path} is not YAML: {' '.join(str(error).split())}") from None
-    except ValueError as error:  # such as a date that is none
-        raise ValueError(f"{path} is not YAML: {error}") from None
+        keys = YAML(typ="safe", pure=True).load(path.read_text(encoding="utf-8-sig"))
+    except (YAMLError, ValueError, TypeError, LookupError, RecursionError, AttributeError) as error:  # as strange texts make the library raise
+        raise ValueError(f"{path} is not YAML: {' '.join(str(error).split())[:300]}") from None
     return _checked(str(path), keys)
 
 

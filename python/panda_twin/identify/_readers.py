@@ -39,7 +39,11 @@ class Source(Protocol):
     has_time: bool
     time_unit: float  # s
     notes: list[str]
-    scenario: Scenario | None
+
+    @property
+    def scenario(self) -> Scenario | None:
+        """Of a log of the twin."""
+        ...
 
     def chunks(self, names: Sequence[str]) -> Iterator[Chunk]:
         """Yield these columns, of which "time" is one, chunk by chunk."""
@@ -49,7 +53,7 @@ class Source(Protocol):
 class TableSource:
     """A table of which one knows where the canonical columns are."""
 
-    scenario = None
+    scenario: Scenario | None = None
 
     def __init__(self, kind: str, table: Table, columns: Mapping[str, Column], row: str = "row") -> None:
         self.kind = kind
@@ -178,7 +182,7 @@ class OwnLog:
 
     def _interval(self) -> int:
         """Time of which about 16 MB of the file are, ns."""
-        size = max(1, self._log._source.file.bytes_in(self._from, self._until))  # type: ignore[attr-defined]
+        size = max(1, int(self._log._source.file.bytes_in(self._from, self._until)))  # type: ignore[attr-defined]
         return max(_SECOND, (self._until - self._from) * (16 << 20) // size)
 
     def _ticks(self, names: list[str]) -> Iterator[Values]:

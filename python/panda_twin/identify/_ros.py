@@ -154,9 +154,12 @@ def _errors(layout: Layout, rows: Rows, column: str, field: str) -> dict[str, Va
     flags = [values for name in names if (values := layout.read(rows, name)) is not None]
     if not flags:
         return {}
-    which, place = np.unique(np.concatenate(flags, axis=1) != 0, axis=0, return_inverse=True)
-    texts = ["|".join(name.partition(".")[2] for name, one in zip(names, row) if one) for row in which]
-    return {column: np.array(texts, object)[place.reshape(-1)]}
+    flag = np.concatenate(flags, axis=1) != 0
+    texts = np.full(len(flag), "", object)
+    some = np.flatnonzero(flag.any(axis=1))
+    which, place = np.unique(flag[some], axis=0, return_inverse=True)
+    texts[some] = np.array(["|".join(name.partition(".")[2] for name, one in zip(names, row) if one) for row in which], object)[place.reshape(-1)]
+    return {column: texts}
 
 
 def stamps(layout: Layout, rows: Rows) -> Values | None:

@@ -75,7 +75,7 @@ class CsvTable:
         else:
             self._skipped += 1
             self._first = _cells(first, self._separator)
-        if not first and not all(map(_is_number, self._first)):
+        if not self._first:
             raise ValueError(f"{path} has a heading only, of {len(self.names)} columns, and no row")
         self._decimal = decimal or ("," if self._separator != "," and any(re.fullmatch(r"-?\d+,\d+(e[-+]?\d+)?", cell) for cell in self._first) else ".")
         self._tail = _last_line(path)
