@@ -14,7 +14,7 @@ from ._expected import KINDS, terms_of
 from ._identify import base_of_links
 from ._model import STEEP, TwinModel, _friction
 from ._rows import regressor
-from ._series import POSITION_MARGIN, RAMP, JointBounds, Series
+from ._series import POSITION_MARGIN, RAMP, JointBounds, Series, basis
 
 Array: TypeAlias = npt.NDArray[np.float64]
 
@@ -74,34 +74,30 @@ def series_for(kind: str, start: Array, seconds: float, terms: int) -> Series:
     return Series(start, seconds, terms, (seconds - 2 * RAMP) / periods)
 
 
-def _columns(kind: str, twin: TwinModel) -> Callable[[Array, Array, Array], Array]:
-    """What the search looks at: columns (n, 7, k) in the parameters' scales; friction first."""
+def _information(kind: str, twin: TwinModel) -> Callable[[Array, Array, Array], Array]:
+    """What samples (n, 7) tell of the parameters in their scales: (k, k), friction first; of friction alone, each joint's (7, 5, 5)."""
     scale = np.array([p.scale for term in terms_of(kind, smooth=kind == "friction") for p in term.parameters])
-    leading = base_of_links()[0] if kind == "inertia" else np.arange(70, 80)
     law = _friction("residual")
+    leading = base_of_links()[0] if kind == "inertia" else np.arange(70, 80)
 
-    def friction(dq: Array) -> Array:
-        if kind != "friction":
-            return np.stack([dq, np.tanh(STEEP / 2 * dq), np.ones_like(dq)], axis=2)
+    def of_friction(q: Array, dq: Array, ddq: Array) -> Array:
         # As SmoothFriction has it.
         _, coulomb, _, steepness, shift = law
         s, s0 = np.tanh(steepness * (dq + shift) / 2), np.tanh(steepness * shift / 2)
         slope, slope0 = (1 - s**2) / 2, (1 - s0**2) / 2
-        return np.stack([dq, s - s0, np.ones_like(dq), coulomb * (slope * (dq + shift) - slope0 * shift),
-                         coulomb * steepness * (slope - slope0)], axis=2)  # fmt: skip
+        X = np.stack([dq, s - s0, np.ones_like(dq), coulomb * (slope * (dq + shift) - slope0 * shift),
+                      coulomb * steepness * (slope - slope0)], axis=2) * scale[::7]  # fmt: skip
+        return np.asarray(X.transpose(1, 2, 0) @ X.transpose(1, 0, 2))
 
-    def columns(q: Array, dq: Array, ddq: Array) -> Array:
-        own = friction(dq)
-        kinds = own.shape[2]
-        X = np.zeros((len(q), 7, kinds, 7))
+    def of_bodies(q: Array, dq: Array, ddq: Array) -> Array:
+        X = np.zeros((len(q), 7, 21 + len(leading)))
         for joint in range(7):
-            X[:, joint, :, joint] = own[:, joint]
-        X = X.reshape(len(q), 7, kinds * 7)
-        if kind != "friction":
-            X = np.concatenate([X, regressor(q, dq, ddq, twin.g_earth)[:, :, leading]], axis=2)
-        return X * scale
+            X[:, joint, joint : 21 : 7] = np.stack([dq[:, joint], np.tanh(STEEP / 2 * dq[:, joint]), np.ones(len(q))], axis=1)
+        X[:, :, 21:] = regressor(q, dq, ddq, twin.g_earth)[:, :, leading]
+        flat = X.reshape(-1, X.shape[2]) * scale
+        return flat.T @ flat
 
-    return columns
+    return of_friction if kind == "friction" else of_bodies
 
 
 def design(kind: str, series: Series, bounds: JointBounds, clearance: Clearance, twin: TwinModel, noise: float, seed: int) -> Design:
@@ -111,17 +107,19 @@ def design(kind: str, series: Series, bounds: JointBounds, clearance: Clearance,
     beside them, and no breach of the clearance. The same arguments give the same motion.
     """
     random = np.random.default_rng(seed)
-    columns = _columns(kind, twin)
-    t = RAMP + np.arange(_SAMPLES) * (series.period / _SAMPLES)
+    information = _information(kind, twin)
+    samples = basis(RAMP + np.arange(_SAMPLES) * (series.period / _SAMPLES), series.seconds, series.period, series.terms)
     each = series.seconds * 1000 / _SAMPLES / noise**2
     wanted = slice(None) if kind == "friction" else slice(21, None)
 
+    def motion(coefficients: Array) -> tuple[Array, Array, Array]:
+        q, dq, ddq = (one @ coefficients for one in samples[:3])
+        return series.start + q, dq, ddq
+
     def cost(coefficients: Array) -> float:
-        q, dq, ddq, _ = series.at(coefficients, t)
-        X = columns(q, dq, ddq)
-        flat = X.reshape(-1, X.shape[2])
-        information = flat.T @ flat * each + np.eye(X.shape[2])
-        variance = np.diag(np.linalg.inv(information))[wanted]
+        q, dq, ddq = motion(coefficients)
+        told = information(q, dq, ddq) * each
+        variance = np.diagonal(np.linalg.inv(told + np.eye(told.shape[-1])), axis1=-2, axis2=-1)[..., wanted]
         return float(np.log(np.sum(variance))) + _BREACH * clearance.breach(q, dq)
 
     def improved(best: Array, value: float, steps: int) -> tuple[Array, float]:
@@ -146,7 +144,7 @@ def design(kind: str, series: Series, bounds: JointBounds, clearance: Clearance,
     for _ in range(_STARTS):
         first = series.within(random.normal(size=(len(spread), 7)) * spread[:, None], bounds)
         # From a breach the way out is shorter.
-        while clearance.breach(*series.at(first, t)[:2]) > 0.05 and np.abs(first).max() > 0.05:
+        while clearance.breach(*motion(first)[:2]) > 0.05 and np.abs(first).max() > 0.05:
             first = 0.8 * first
         found.append(improved(first, cost(first), _FIRST))
     best, _ = improved(*min(found, key=lambda one: one[1]), _THEN)

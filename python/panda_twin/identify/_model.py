@@ -119,7 +119,7 @@ class TwinModel:
         plant, robot = keys.get("plant", {}), keys.get("robot", {})
         scale = float(plant.get("mass_scale", 1))
         arm = np.asarray(_core.model_parameters(True))
-        if "links" in plant:
+        if plant.get("links"):
             arm = np.concatenate([_load(link) for link in plant["links"]])
         hand = body_parameters(**model.HAND) if robot.get("hand", "franka_hand") == "franka_hand" else np.zeros(10)
         tilt = plant.get("base_tilt", {})
