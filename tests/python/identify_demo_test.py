@@ -46,7 +46,7 @@ class Demo(unittest.TestCase):
         address = self.serve()
         self.command("excite", "--for", "load", "--seconds", "30", "--out", "motion", "--run", "--backend", "fci", "--robot", address)
         fit = next(self.folder.glob("motion/**/run.mcap"))
-        self.command("compare", fit, "--against", "motion/twin.yaml", "--identify", "friction,load,delay", "--write", "mine.yaml", "--out", "first", codes=(0, 1))
+        self.command("compare", fit, "--against", "motion/scenario.yaml", "--identify", "friction,load,delay", "--write", "mine.yaml", "--out", "first", codes=(0, 1))
         # Another motion judges.
         self.command("excite", "--for", "friction", "--seconds", "20", "--seed", "2", "--out", "other", "--run", "--backend", "fci", "--robot", address)
         judge = next(self.folder.glob("other/**/run.mcap"))

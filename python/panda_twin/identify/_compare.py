@@ -89,7 +89,9 @@ def _twin_of(recordings: Sequence[Recording], against: ScenarioLike | None) -> S
     if against is not None:
         return as_scenario(against)
     own = recordings[0].scenario
-    return own if own is not None else Scenario(**_PANDA)
+    if own is None:
+        return Scenario(**_PANDA)
+    return own.replace({"backend": "mujoco"}) if own.to_dict().get("backend") == "fci" else own
 
 
 class _Comparing:

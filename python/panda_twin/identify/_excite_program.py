@@ -13,7 +13,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-import yaml
 
 from .. import _host, model
 from .._command import exit_code_of
@@ -23,6 +22,7 @@ from ._excite import Design, bounds_of, design, freed, series_for
 from ._expected import Expected, expected_of, rows_of_series, terms_of
 from ._model import TwinModel, body_of
 from ._series import POSITION_MARGIN
+from ._yaml import read_yaml
 
 _NOISE = 0.05
 _WITHOUT = "an arm with its hand, and nothing beside it but the floor"
@@ -47,10 +47,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _limits_of(path: pathlib.Path) -> Mapping[str, Any]:
-    try:
-        section = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise ValueError(f"{path}: not YAML: {' '.join(str(error).split())}") from None
+    section = read_yaml(path)
     if not isinstance(section, dict) or not isinstance(section.get("limits"), dict):
         raise ValueError(f"{path}: it has no section limits; docs/reference/limits.md says what belongs there")
     limits: Mapping[str, Any] = section["limits"]
