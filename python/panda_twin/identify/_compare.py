@@ -30,7 +30,7 @@ from ._terms import Delay, Friction, Load
 Array: TypeAlias = npt.NDArray[np.float64]
 LogLike = str | os.PathLike[str] | Mapping[str, Any] | RunResult
 
-_PANDA: Any = {"name": "panda"}
+_PANDA: Any = {"name": "panda", "robot": {"q_start": {"unit": "rad", "values": model.Q_READY.tolist()}}}
 _BESIDE = ("tau_J", "theta", "tau_J_d")
 _EXPLAINED = 0.95  # of the squared residual
 _LARGE = 0.1  # of the measured torques: a smaller residual is not due to columns that are others than said
