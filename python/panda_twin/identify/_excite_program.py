@@ -94,7 +94,8 @@ def robot_of(name: str | None, limits: pathlib.Path | None, kind: str) -> Scenar
         start = json.dumps({"q_start": {"unit": "rad", "values": model.Q_READY.tolist()}})
         scenario = Scenario.from_yaml(f"name: excite\nscene: scenes/floor.xml\nrobot: {start}\n", "excite")
     else:
-        scenario = Scenario.load(name)
+        file = pathlib.Path(name)
+        scenario = Scenario.from_yaml(file.read_text(encoding="utf-8"), file) if file.is_file() else Scenario.load(name)
     keys = scenario.to_dict()
     changes: dict[str, Any] = {"name": f"excite_{kind}", "backend": "mujoco", "description": f"Designed by panda-twin excite --for {kind}.",
                                "motion": None, "application": None, "render": {"enabled": False}}  # fmt: skip
