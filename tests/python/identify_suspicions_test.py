@@ -26,6 +26,7 @@ class SuspicionsTest(unittest.TestCase):
     def test_a_right_log_is_not_suspected(self):
         self.assertEqual(self.said(), [])
         self.assertEqual(self.said(q_d=self.motion["q"]), [])
+        self.assertEqual(self.said(q_d=0 * self.motion["q"] + model.Q_READY), [])  # under torque commands
         noise = np.random.default_rng(1).normal(0, 0.2, self.motion["q"].shape)
         self.assertEqual(
             self.said(tau_J=self.motion["tau"] + noise + np.sign(self.motion["dq"]), dq=self.motion["dq"] + 0.05 * noise), []
@@ -49,6 +50,7 @@ class SuspicionsTest(unittest.TestCase):
                 "another robot, another direction of gravity, or a heavy load",
             ),
             ({"q_d": np.degrees(m["q"])}, "q_d looks like degrees"),
+            ({"q_d": self.exchanged("q", 2, 4)}, "joint 2 and 4 look swapped in q_d"),
             ({"q": np.repeat(m["q"][::4], 4, axis=0)}, "q changes only once in 4.0 rows"),
             ({"q": m["q"] + 4}, "q is not a Panda's"),
         ):

@@ -158,13 +158,25 @@ def _ratio(middle: float, ratio: dict[int, float], found: list[str]) -> None:
 
 
 def _desired(q: Floats, q_d: Floats, found: list[str]) -> None:
-    if (there := np.isfinite(q_d).all(axis=1)).any():
-        q, q_d = q[there], q_d[there]
-        apart = float(np.sqrt(((q_d - q) ** 2).mean()))
-        if apart > 0.3 and np.sqrt(((q_d * np.pi / 180 - q) ** 2).mean()) < 0.1 * apart:
-            found.append("q_d looks like degrees: as degrees it follows q; map it with unit: deg")
-        elif apart > 0.3:
-            found.append(f"q_d is {apart:.2f} rad (rms) from q: it is no reference of this motion, or of another unit or order")
+    """Find another unit or order of q_d. Under torque commands it may stand still, far from q."""
+    there = np.flatnonzero(np.isfinite(q_d).all(axis=1))[:: max(1, len(q) // 2000)]
+    if not len(there):
+        return
+    q, q_d = q[there], q_d[there]
+
+    def apart(desired: Floats) -> float:
+        return float(np.sqrt(((desired - q) ** 2).mean()))
+
+    now = apart(q_d)
+    if now < 0.3:
+        return
+    if apart(q_d * np.pi / 180) < 0.1 * now:
+        found.append("q_d looks like degrees: as degrees it follows q; map it with unit: deg")
+    for i, j in itertools.combinations(range(7), 2):
+        if apart(_swapped(q_d, i, j)) < 0.1 * now:
+            found.append(
+                f"columns of joint {i + 1} and {j + 1} look swapped in q_d: exchanged, it follows q; exchange them in the mapping"
+            )
 
 
 def _held(t: Floats, q: Floats, found: list[str]) -> None:
