@@ -28,7 +28,7 @@ struct ModelSources {
   bool scene_is_self_contained =
       true;  ///< false: it refers to further files, which the key does not cover
   FrictionProfile friction = FrictionProfile::kNone;
-  JointVector armature{};  ///< kg m^2
+  bool armature = false;
   std::string key;  ///< hash of all of the above, MuJoCo's version and the composition
 };
 

@@ -57,7 +57,6 @@ class EnginePlant final : public MujocoPlant {
  public:
   EnginePlant(const MujocoPlantOptions& options, const ModelSources& sources, BuiltModel built)
       : friction_(options.friction),
-        figures_(options.figures),
         noise_(options.noise),
         random_(options.seed, RandomStream::kSensorNoise),
         uses_meshes_(sources.uses_meshes),
@@ -117,17 +116,13 @@ class EnginePlant final : public MujocoPlant {
   [[nodiscard]] std::string DescribeWarnings() const override;
 
  private:
-  /// The last torques, by tick: one more than the longest delay has cycles.
-  using TorqueLine = std::array<JointVector, kLongestTorqueDelay / kCycle + 2>;
-
   /// All that changes beside the engine's data and the friction of closed brakes.
   struct Live {
     Perturber perturber;
     Brakes brakes;
     std::optional<HandJoints> hand{};
     std::optional<BaseJoints> base{};
-    JointVector tau_J{};  ///< as the sensors showed it last, without noise
-    TorqueLine line{};
+    JointVector tau_J{};  ///< of the last step, without noise
     JointSensors sensors{};
     std::uint64_t tick = 0;  ///< steps since the last Reset(); key of the noise
     bool halted = false;
@@ -153,18 +148,12 @@ class EnginePlant final : public MujocoPlant {
   /// After an error of the engine.
   void Halt() noexcept TWIN_REALTIME;
 
-  /// Torque that opposes the motion, but for what the engine itself computes, Nm.
-  [[nodiscard]] JointVector FrictionAt(const JointVector& dq) const noexcept TWIN_REALTIME;
-  /// What the torque sensors show now.
-  [[nodiscard]] JointVector Delayed(const JointVector& tau_J) noexcept TWIN_REALTIME;
-
   /// Reads the joints into sensors and adds this tick's noise.
-  void Sense(const JointVector& true_tau_J) noexcept TWIN_REALTIME;
+  void Sense(const JointVector& tau_J) noexcept TWIN_REALTIME;
   /// Collects the engine's warnings. @returns false for one that invalidates the motion.
   bool TakeWarnings() noexcept TWIN_REALTIME;
 
   const FrictionProfile friction_;
-  const JointFigures figures_;
   const SensorNoise noise_;
   Random random_;
   const bool uses_meshes_;
@@ -214,7 +203,8 @@ void EnginePlant::Step(const JointDrive& drive) noexcept {
   }
   JointVector dq{};
   for (std::size_t i = 0; i < kJoints; ++i) dq[i] = data_->qvel[joints_.dof[i]];
-  const JointVector friction = FrictionAt(dq);
+  const JointVector friction =
+      friction_ == FrictionProfile::kResidual ? ResidualFriction(dq) : JointVector{};
   live_.perturber.Apply(plant_time(), *data_);
   if (live_.hand) live_.hand->Apply(*data_);
   if (live_.base) live_.base->Apply(*model_, *data_);
@@ -249,11 +239,6 @@ void EnginePlant::Step(const JointDrive& drive) noexcept {
   Sense(tau_J);
   if (live_.hand) live_.hand->Sense(*data_);
   if (live_.base) live_.base->Sense(*data_);
-}
-
-JointVector EnginePlant::FrictionAt(const JointVector& dq) const noexcept {
-  if (figures_.friction) return figures_.friction->Torque(dq);
-  return friction_ == FrictionProfile::kResidual ? ResidualFriction(dq) : JointVector{};
 }
 
 void EnginePlant::Halt() noexcept {
@@ -322,25 +307,7 @@ void EnginePlant::Restore(const State& state) {
   live_ = saved.live;
 }
 
-JointVector EnginePlant::Delayed(const JointVector& tau_J) noexcept {
-  if (figures_.tau_J_delay == Duration::zero()) return tau_J;
-  TorqueLine& line = live_.line;
-  if (live_.tick == 0) line.fill(tau_J);
-  line[live_.tick % line.size()] = tau_J;
-  const auto whole = static_cast<std::uint64_t>(figures_.tau_J_delay / kCycle);
-  const double part = ToSeconds(figures_.tau_J_delay % kCycle) / kCycleSeconds;
-  const auto before = [&](std::uint64_t cycles) -> const JointVector& {
-    return line[(live_.tick + line.size() - cycles) % line.size()];
-  };
-  const JointVector& newer = before(whole);
-  const JointVector& older = before(whole + 1);
-  JointVector shown;
-  for (std::size_t i = 0; i < kJoints; ++i) shown[i] = newer[i] + part * (older[i] - newer[i]);
-  return shown;
-}
-
-void EnginePlant::Sense(const JointVector& true_tau_J) noexcept {
-  const JointVector tau_J = Delayed(true_tau_J);
+void EnginePlant::Sense(const JointVector& tau_J) noexcept {
   live_.sensors.tau_J = tau_J;
   for (std::size_t i = 0; i < kJoints; ++i) {
     live_.sensors.q[i] = data_->qpos[joints_.qpos[i]];
@@ -357,11 +324,10 @@ void EnginePlant::Sense(const JointVector& true_tau_J) noexcept {
   add(noise_.tau_J_Nm, 2 * kJoints, live_.sensors.tau_J);
   live_.sensors.theta = live_.sensors.q;
   live_.sensors.dtheta = live_.sensors.dq;
-  if (figures_.stiffness || elasticity_ == ElasticityProfile::kStatic) {
+  if (elasticity_ == ElasticityProfile::kStatic) {
     for (std::size_t i = 0; i < kJoints; ++i) {
-      const double k = figures_.stiffness ? (*figures_.stiffness)[i] : kJointStiffness;
-      live_.sensors.theta[i] += tau_J[i] / k;
-      live_.sensors.dtheta[i] += (tau_J[i] - live_.tau_J[i]) / (kCycleSeconds * k);
+      live_.sensors.theta[i] += tau_J[i] / kJointStiffness;
+      live_.sensors.dtheta[i] += (tau_J[i] - live_.tau_J[i]) / (kCycleSeconds * kJointStiffness);
     }
   }
   live_.tau_J = tau_J;

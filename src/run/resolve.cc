@@ -60,7 +60,6 @@ plant::MujocoPlantOptions MakePlant(const scenario::Scenario& scenario,
   options.friction = scenario.plant.friction;
   options.armature = scenario.plant.armature;
   options.elasticity = scenario.plant.elasticity;
-  options.figures = scenario.plant.figures;
   options.mass_scale = scenario.plant.mass_scale;
   options.base_tilt = scenario.plant.base_tilt;
   options.load = scenario.robot.load;

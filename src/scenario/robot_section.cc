@@ -40,14 +40,6 @@ Value Torques(JointVector& torques) {
   return Joints(torques, kTorque);
 }
 
-Value NotNegative(JointVector& values, Dimension dimension) {
-  return Validated(Joints(values, dimension), [&values] {
-    for (const double value : values) {
-      if (value < 0) throw InputError(fmt::format("has {}; each must be at least 0", value));
-    }
-  });
-}
-
 /// Adds a threshold without suffix, which sets both thresholds.
 template <typename Bind, typename Values>
 void AddBoth(Map& map, const std::string& key, Bind bind, Values& acc, Values& nominal,
@@ -205,55 +197,6 @@ void Describe(Map& map, BaseSection& base, Place& place) {
       .OmitIf(base.drive.empty());
 }
 
-static void Describe(Map& map, plant::FrictionLaw& law) {
-  map.Add("viscous", NotNegative(law.viscous, kAngularDamping), "Slope at high speed.");
-  map.Add("coulomb", NotNegative(law.coulomb, kTorque),
-          "Step where the direction changes, half of it.");
-  map.Add("offset", Joints(law.offset, kTorque), "Torque at any speed.");
-  map.Add("steepness", NotNegative(law.steepness, kSteepness), "How sharp the step is.");
-  map.Add("shift", Joints(law.shift, kAngularVelocity),
-          "Velocity at the step, with the other sign.");
-}
-
-/// A name, or figures in its place.
-template <typename T, typename Bind>
-static Value OrFigures(const Value& name, std::optional<T>& figures, Bind bind) {
-  Value either = Either(name, Optional(figures, bind), [&figures] { return !figures.has_value(); });
-  either.read = [&figures, read = either.read](const YamlNode& node) {
-    figures.reset();
-    read(node);
-  };
-  return either;
-}
-
-static Value FrictionOf(plant::FrictionLaw& law) {
-  return SectionOf(law);
-}
-
-static Value InertiaOf(JointVector& values) {
-  return NotNegative(values, kInertia);
-}
-
-static Value StiffnessOf(JointVector& values) {
-  return Validated(Joints(values, kStiffness), [&values] {
-    for (const double k : values) RequireInRange("a stiffness, Nm/rad", k, 100, 1e9);
-  });
-}
-
-static Value LinksOf(std::optional<std::array<setting::Load, kJoints>>& links) {
-  return Converted(
-      links ? std::vector(links->begin(), links->end()) : std::vector<setting::Load>{},
-      [](std::vector<setting::Load>& list) {
-        return Validated(List(list, LoadOf, Style::kBlock), [&list] {
-          if (!list.empty() && list.size() != kJoints) throw InputError("takes seven links");
-        });
-      },
-      [&links](const std::vector<setting::Load>& list) {
-        links.reset();
-        if (!list.empty()) std::ranges::copy(list, links.emplace().begin());
-      });
-}
-
 static void Describe(Map& map, plant::BaseTilt& tilt) {
   map.Add("roll", Quantity(tilt.roll, kAngle, -0.2, 0.2), "Angle about x.");
   map.Add("pitch", Quantity(tilt.pitch, kAngle, -0.2, 0.2), "Angle about y.");
@@ -262,27 +205,10 @@ static void Describe(Map& map, plant::BaseTilt& tilt) {
 void Describe(Map& map, PlantSection& plant) {
   map.Add("kind", Choice(plant.kind, kPlantNames),
           "Physics by MuJoCo, or an arm that does exactly what is desired.");
-  plant::JointFigures& figures = plant.figures;
-  map.Add(
-      "friction", OrFigures(Choice(plant.friction, kFrictionNames), figures.friction, FrictionOf),
-      "Friction of the joints; a map: tau_f(dq) = viscous dq + coulomb (s(dq + shift) - s(shift)) + "
-      "offset, s(v) = 2 / (1 + exp(-steepness v)).");
-  map.Add("armature", OrFigures(Bool(plant.armature), figures.armature, InertiaOf),
-          "Reflected inertia of the rotors: the model's, none, or these.");
-  map.Add("elasticity",
-          OrFigures(Choice(plant.elasticity, kElasticityNames), figures.stiffness, StiffnessOf),
-          "rigid: theta = q; static: theta = q + tau_J / k, k = 14250 Nm/rad, or this k.");
-  map.Add("delay", Section([&figures](Map& of) {
-            of.Add("tau_J",
-                   TimeSpan(figures.tau_J_delay, Duration::zero(), plant::kLongestTorqueDelay),
-                   "Delay of the joints' torque sensors.");
-          }),
-          "Delays of the sensors.")
-      .OmitIf(figures.tau_J_delay == Duration::zero());
-  map.Add("links", LinksOf(figures.links),
-          "Seven links in place of the model's: mass, centre of mass in the joint's frame, inertia "
-          "about it.")
-      .OmitIf(!figures.links);
+  map.Add("friction", Choice(plant.friction, kFrictionNames), "Friction of the joints.");
+  map.Add("armature", Bool(plant.armature), "Reflected inertia of the rotors.");
+  map.Add("elasticity", Choice(plant.elasticity, kElasticityNames),
+          "rigid: theta = q; static: theta = q + tau_J / k, k = 14250 Nm/rad.");
   map.Add("mass_scale", Number(plant.mass_scale, 0.5, 2),
           "Factor on the mass of every link of arm and hand; the robot's controller ignores it.")
       .OmitIf(plant.mass_scale == 1);

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "twin/core/setting.h"
-#include "twin/plant/joint_figures.h"
 #include "twin/plant/perturbation.h"
 #include "twin/plant/plant.h"
 #include "twin/plant/scene_object.h"
@@ -63,7 +62,6 @@ struct MujocoPlantOptions {
   FrictionProfile friction = FrictionProfile::kResidual;
   bool armature = true;  ///< reflected rotor inertia of the drives
   ElasticityProfile elasticity = ElasticityProfile::kRigid;
-  JointFigures figures;  ///< in place of the profiles above, where they are given
   /// Factor on mass and inertia of every link, arm and hand, of the URDFs; in [0.5, 2].
   double mass_scale = 1;
   /// Roll and pitch of the base with its surroundings against gravity, rad: the base is rotated by
