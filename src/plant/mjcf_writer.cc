@@ -195,7 +195,7 @@ class Writer {
     Line(
         "<joint name=\"{}\" class=\"twin_collision\" type=\"hinge\" axis=\"{}\" armature=\"{}\" "
         "frictionloss=\"{}\" damping=\"{}\"/>\n",
-        link.joint, Row(link.axis), sources_.armature ? kArmature[joint_] : 0.0,
+        link.joint, Row(link.axis), sources_.armature[joint_],
         breakaway ? kBreakawayTorque[joint_] : 0.0, breakaway ? kViscousFriction[joint_] : 0.0);
     ++joint_;
   }

@@ -10,12 +10,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <mujoco/mujoco.h>
-#include <Eigen/Eigenvalues>
 
 #include "plant/base_joints.h"
 #include "plant/file_bytes.h"
 #include "plant/robot_description.h"
 #include "plant/scene_objects.h"
+#include "plant/thickness.h"
 #include "twin/core/error.h"
 #include "twin/plant/mjcf_files.h"
 
@@ -35,6 +35,7 @@ constexpr std::string_view kPlainScene = R"(<mujoco>
 
 /// Body name of MujocoPlantOptions::load.
 constexpr std::string_view kLoadBody = "load";
+constexpr const char* kLoadText = "the load on the flange";
 
 constexpr std::string_view kPackageScheme = "package://";
 
@@ -153,18 +154,6 @@ double InertiaOfSteelBall(double mass) {
   return 0.4 * mass * std::pow(0.75 * mass / (std::numbers::pi * kDensity), 2.0 / 3.0);
 }
 
-/// The engine rotates bodies about every axis, so it cannot simulate zero inertia about one.
-void RequireThickness(const Matrix3& inertia) {
-  const Eigen::Map<const Eigen::Matrix3d> I(inertia.data());
-  const Eigen::Vector3d moments =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(I, Eigen::EigenvaluesOnly).eigenvalues();
-  if (moments[0] > 0) return;
-  throw InputError(fmt::format(
-      "the load on the flange: its least principal moment of inertia is {} kg m^2, that "
-      "of a rod without thickness; it must be above 0",
-      moments[0]));
-}
-
 void RequireVisualError(double error) {
   if (error >= 0 && error <= 0.01) return;
   throw InputError(fmt::format(
@@ -187,10 +176,20 @@ void ScaleMasses(double scale, RobotDescription& robot) {
   }
 }
 
+/// Gives the links behind the seven joints other mass properties. @param links  seven or none.
+void ReplaceInertials(const std::vector<setting::Load>& links, RobotDescription& robot) {
+  auto link = links.begin();
+  for (Link& one : robot.links) {
+    if (one.joint_kind != JointKind::kRevolute || link == links.end()) continue;
+    one.inertial = Inertial{link->m_load, link->F_x_Cload, link->I_load};
+    ++link;
+  }
+}
+
 /// Fixes the load to the flange: the last link of the arm.
 void Attach(const setting::Load& load, RobotDescription& robot) {
   if (const auto bad = FindBadValue(load)) {
-    throw InputError(fmt::format("the load on the flange: {}", Describe(*bad)));
+    throw InputError(fmt::format("{}: {}", kLoadText, Describe(*bad)));
   }
   if (load.m_load == 0) return;
   Link body;
@@ -201,7 +200,7 @@ void Attach(const setting::Load& load, RobotDescription& robot) {
     const double I = InertiaOfSteelBall(load.m_load);
     body.inertial->I = {I, 0, 0, 0, I, 0, 0, 0, I};
   }
-  RequireThickness(body.inertial->I);
+  RequireThickness(kLoadText, body.inertial->I);
   robot.links.push_back(body);
 }
 
@@ -210,22 +209,33 @@ void Attach(const setting::Load& load, RobotDescription& robot) {
 ModelSources ReadModelSources(const MujocoPlantOptions& options) {
   ModelSources sources;
   RequireVisualError(options.visual_error);
+  Validate(options.arm, options.armature);
+  sources.armature = RotorInertia(options.armature, options.arm);
+  const FrictionProfile friction =
+      options.arm.friction_law ? FrictionProfile::kNone : options.friction;
   sources.visual_error = options.visual_error;
-  sources.friction = options.friction;
-  sources.armature = options.armature;
+  sources.friction = friction;
   sources.uses_meshes =
       !options.mesh_package.empty() && std::filesystem::is_directory(options.mesh_package);
   ContentHash hash;
   hash.Add(kComposition);
   hash.Add(fmt::format("mujoco {} friction {} armature {} hand {} meshes {}", mj_version(),
-                       static_cast<int>(options.friction), options.armature,
-                       static_cast<int>(options.hand), sources.uses_meshes));
+                       static_cast<int>(friction), options.armature, static_cast<int>(options.hand),
+                       sources.uses_meshes));
   hash.Add(fmt::format("load {} {} {}", options.load.m_load, fmt::join(options.load.F_x_Cload, " "),
                        fmt::join(options.load.I_load, " ")));
+  if (options.arm.armature) {
+    hash.Add(fmt::format("rotors {}", fmt::join(sources.armature, " ")));
+  }
+  for (const setting::Load& link : options.arm.links) {
+    hash.Add(fmt::format("link {} {} {}", link.m_load, fmt::join(link.F_x_Cload, " "),
+                         fmt::join(link.I_load, " ")));
+  }
   if (options.mass_scale != 1) hash.Add(fmt::format("mass scale {}", options.mass_scale));
   hash.Add(fmt::format("visual error {}", options.visual_error));
   DescriptionReader reader(options, sources, hash);
   sources.robot = reader.Read(options.urdf);
+  ReplaceInertials(options.arm.links, sources.robot);
   if (options.mass_scale != 1) ScaleMasses(options.mass_scale, sources.robot);
   RequireNoWheels(sources.robot, options.urdf);
   RequireSevenJoints(sources.robot, options.urdf);

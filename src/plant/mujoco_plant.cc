@@ -16,6 +16,7 @@
 #include "plant/model_builder.h"
 #include "plant/model_sources.h"
 #include "plant/perturber.h"
+#include "plant/torque_delay.h"
 #include "twin/core/error.h"
 #include "twin/core/random.h"
 #include "twin/plant/engine.h"
@@ -57,6 +58,7 @@ class EnginePlant final : public MujocoPlant {
  public:
   EnginePlant(const MujocoPlantOptions& options, const ModelSources& sources, BuiltModel built)
       : friction_(options.friction),
+        friction_law_(options.arm.friction_law),
         noise_(options.noise),
         random_(options.seed, RandomStream::kSensorNoise),
         uses_meshes_(sources.uses_meshes),
@@ -65,8 +67,10 @@ class EnginePlant final : public MujocoPlant {
         data_(mj_makeData(model_.get())),
         joints_(FindJoints(*model_, sources.robot)),
         elasticity_(options.elasticity),
+        stiffness_(options.arm.stiffness),
         live_{.perturber = Perturber(*model_),
-              .brakes = Brakes(*model_, joints_.dof, joints_.tau_max)} {
+              .brakes = Brakes(*model_, joints_.dof, joints_.tau_max),
+              .tau_J_late = TorqueDelay(options.arm.torque_delay)} {
     TiltGravity(options.base_tilt, *model_);
     for (const Perturbation& perturbation : options.perturbations)
       live_.perturber.Add(perturbation);
@@ -123,6 +127,7 @@ class EnginePlant final : public MujocoPlant {
     std::optional<HandJoints> hand{};
     std::optional<BaseJoints> base{};
     JointVector tau_J{};  ///< of the last step, without noise
+    TorqueDelay tau_J_late;
     JointSensors sensors{};
     std::uint64_t tick = 0;  ///< steps since the last Reset(); key of the noise
     bool halted = false;
@@ -148,12 +153,14 @@ class EnginePlant final : public MujocoPlant {
   /// After an error of the engine.
   void Halt() noexcept TWIN_REALTIME;
 
+  [[nodiscard]] JointVector FrictionAt(const JointVector& dq) const noexcept TWIN_REALTIME;
   /// Reads the joints into sensors and adds this tick's noise.
   void Sense(const JointVector& tau_J) noexcept TWIN_REALTIME;
   /// Collects the engine's warnings. @returns false for one that invalidates the motion.
   bool TakeWarnings() noexcept TWIN_REALTIME;
 
   const FrictionProfile friction_;
+  const std::optional<FrictionLaw> friction_law_;
   const SensorNoise noise_;
   Random random_;
   const bool uses_meshes_;
@@ -166,6 +173,7 @@ class EnginePlant final : public MujocoPlant {
   const ArmJoints joints_;
   JointVector armature_{};
   const ElasticityProfile elasticity_;
+  const JointVector stiffness_;
   Live live_;
   // Counts since Create(), which no Restore() takes back.
   std::array<std::uint64_t, mjNWARNING> warnings_{};
@@ -192,8 +200,14 @@ void EnginePlant::Reset(const JointVector& q) {
   JointVector tau_J{};
   for (std::size_t i = 0; i < kJoints; ++i) tau_J[i] = data_->qfrc_bias[joints_.dof[i]];
   live_.tau_J = tau_J;
+  live_.tau_J_late.Fill(tau_J);
   Sense(tau_J);
   if (live_.base) live_.base->Sense(*data_);
+}
+
+JointVector EnginePlant::FrictionAt(const JointVector& dq) const noexcept {
+  if (friction_law_) return Friction(*friction_law_, dq);
+  return friction_ == FrictionProfile::kResidual ? ResidualFriction(dq) : JointVector{};
 }
 
 void EnginePlant::Step(const JointDrive& drive) noexcept {
@@ -203,8 +217,7 @@ void EnginePlant::Step(const JointDrive& drive) noexcept {
   }
   JointVector dq{};
   for (std::size_t i = 0; i < kJoints; ++i) dq[i] = data_->qvel[joints_.dof[i]];
-  const JointVector friction =
-      friction_ == FrictionProfile::kResidual ? ResidualFriction(dq) : JointVector{};
+  const JointVector friction = FrictionAt(dq);
   live_.perturber.Apply(plant_time(), *data_);
   if (live_.hand) live_.hand->Apply(*data_);
   if (live_.base) live_.base->Apply(*model_, *data_);
@@ -308,7 +321,7 @@ void EnginePlant::Restore(const State& state) {
 }
 
 void EnginePlant::Sense(const JointVector& tau_J) noexcept {
-  live_.sensors.tau_J = tau_J;
+  live_.sensors.tau_J = live_.tau_J_late.Pass(tau_J);
   for (std::size_t i = 0; i < kJoints; ++i) {
     live_.sensors.q[i] = data_->qpos[joints_.qpos[i]];
     live_.sensors.dq[i] = data_->qvel[joints_.dof[i]];
@@ -326,8 +339,8 @@ void EnginePlant::Sense(const JointVector& tau_J) noexcept {
   live_.sensors.dtheta = live_.sensors.dq;
   if (elasticity_ == ElasticityProfile::kStatic) {
     for (std::size_t i = 0; i < kJoints; ++i) {
-      live_.sensors.theta[i] += tau_J[i] / kJointStiffness;
-      live_.sensors.dtheta[i] += (tau_J[i] - live_.tau_J[i]) / (kCycleSeconds * kJointStiffness);
+      live_.sensors.theta[i] += tau_J[i] / stiffness_[i];
+      live_.sensors.dtheta[i] += (tau_J[i] - live_.tau_J[i]) / (kCycleSeconds * stiffness_[i]);
     }
   }
   live_.tau_J = tau_J;

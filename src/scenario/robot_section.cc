@@ -106,11 +106,12 @@ static void Describe(Map& map, setting::Filters& filters) {
   map.Add("controller", Cutoff(filters.controller_hz), "Low-pass on torques.");
 }
 
-static void Describe(Map& map, setting::Load& load) {
+/// @param frame  of the centre of mass, and of what its moments are, for people.
+static void DescribeBody(Map& map, setting::Load& load, std::string_view position,
+                         std::string_view inertia) {
   Matrix3& I = load.I_load;
   map.Require("mass", Quantity(load.m_load, kMass, 0, 100), "Mass of the body.");
-  map.Add("position", Vector(load.F_x_Cload, kLength, -kMostLength, kMostLength),
-          "Centre of mass in the flange frame.");
+  map.Add("position", Vector(load.F_x_Cload, kLength, -kMostLength, kMostLength), position);
   map.Add("inertia",
           Converted(
               Vector3{I[0], I[4], I[8]},
@@ -118,7 +119,7 @@ static void Describe(Map& map, setting::Load& load) {
               [&I](const Vector3& moments) {
                 for (std::size_t i = 0; i < 3; ++i) I[4 * i] = moments[i];
               }),
-          "Moments about the centre of mass: xx, yy, zz; of robot.load all zero: a steel ball's.");
+          inertia);
   map.Add(
       "products_of_inertia",
       Converted(
@@ -129,6 +130,12 @@ static void Describe(Map& map, setting::Load& load) {
             I = {I[0], xy, xz, xy, I[4], yz, xz, yz, I[8]};
           }),
       "Products of inertia: xy, xz, yz.");
+}
+
+static void Describe(Map& map, setting::Load& load) {
+  DescribeBody(
+      map, load, "Centre of mass in the flange frame.",
+      "Moments about the centre of mass: xx, yy, zz; of robot.load all zero: a steel ball's.");
 }
 
 static void Describe(Map& map, BasePose& pose) {
@@ -202,13 +209,83 @@ static void Describe(Map& map, plant::BaseTilt& tilt) {
   map.Add("pitch", Quantity(tilt.pitch, kAngle, -0.2, 0.2), "Angle about y.");
 }
 
+static void Describe(Map& map, plant::FrictionLaw& law) {
+  map.Add("viscous", Joints(law.viscous, kAngularDamping), "Torque per velocity.");
+  map.Add("coulomb", Joints(law.coulomb, kTorque), "Half the height of the sigmoid.");
+  map.Add("offset", Joints(law.offset, kTorque), "Torque at rest.");
+  map.Add("steepness", Joints(law.steepness, kSteepness), "Of the sigmoid.");
+  map.Add("shift", Joints(law.shift, kAngularVelocity), "Of the sigmoid's middle.");
+}
+
+static Value FrictionOf(PlantSection& plant) {
+  Value profile = Choice(plant.friction, kFrictionNames);
+  profile.read = [&plant, read = profile.read](const YamlNode& node) {
+    plant.arm.friction_law.reset();
+    read(node);
+  };
+  const auto law = Optional(plant.arm.friction_law, [](auto& one) { return SectionOf(one); });
+  return Either(profile, law, [&plant] { return !plant.arm.friction_law; });
+}
+
+static Value ArmatureOf(PlantSection& plant) {
+  Value is_there = Bool(plant.armature);
+  is_there.read = [&plant, read = is_there.read](const YamlNode& node) {
+    plant.arm.armature.reset();
+    read(node);
+  };
+  Value values = Optional(plant.arm.armature, [](JointVector& B) { return Joints(B, kInertia); });
+  values.read = [&plant, read = values.read](const YamlNode& node) {
+    plant.armature = true;
+    read(node);
+  };
+  return Either(is_there, values, [&plant] { return !plant.armature || !plant.arm.armature; });
+}
+
+static Value ElasticityOf(PlantSection& plant) {
+  Value kind = Choice(plant.elasticity, kElasticityNames);
+  kind.read = [&plant, read = kind.read](const YamlNode& node) {
+    plant.arm.stiffness = plant::kJointStiffness;
+    read(node);
+  };
+  Value stiffness = Joints(plant.arm.stiffness, kStiffness);
+  stiffness.read = [&plant, read = stiffness.read](const YamlNode& node) {
+    plant.elasticity = plant::ElasticityProfile::kStatic;
+    read(node);
+  };
+  return Either(kind, stiffness, [&plant] {
+    return plant.elasticity == plant::ElasticityProfile::kRigid ||
+           plant.arm.stiffness == plant::kJointStiffness;
+  });
+}
+
+static Value LinkOf(setting::Load& link) {
+  return Section([&link](Map& map) {
+    DescribeBody(map, link, "Centre of mass in the frame of the link's joint.",
+                 "Moments about the centre of mass: xx, yy, zz.");
+  });
+}
+
 void Describe(Map& map, PlantSection& plant) {
   map.Add("kind", Choice(plant.kind, kPlantNames),
           "Physics by MuJoCo, or an arm that does exactly what is desired.");
-  map.Add("friction", Choice(plant.friction, kFrictionNames), "Friction of the joints.");
-  map.Add("armature", Bool(plant.armature), "Reflected inertia of the rotors.");
-  map.Add("elasticity", Choice(plant.elasticity, kElasticityNames),
-          "rigid: theta = q; static: theta = q + tau_J / k, k = 14250 Nm/rad.");
+  map.Add(
+      "friction", FrictionOf(plant),
+      "Friction of the joints, opposed to their velocity v; a map: viscous v + coulomb (2 / (1 + "
+      "exp(-steepness (v + shift))) - 2 / (1 + exp(-steepness shift))) + offset.");
+  map.Add("armature", ArmatureOf(plant), "Reflected inertia of the rotors; a map: their values.");
+  map.Add(
+      "elasticity", ElasticityOf(plant),
+      "rigid: theta = q; static: theta = q + tau_J / k, k = 14250 Nm/rad; a map: each joint's k.");
+  map.Add("delay", Section([&plant](Map& of) {
+            of.Add("tau_J",
+                   TimeSpan(plant.arm.torque_delay, Duration::zero(), plant::kLongestTorqueDelay),
+                   "Of the torque sensors.");
+          }),
+          "By how much sensors are late.")
+      .OmitIf(plant.arm.torque_delay == Duration::zero());
+  map.Add("links", List(plant.arm.links, LinkOf, Style::kBlock),
+          "Masses of links 1 to 7 in place of the URDF's: all seven.")
+      .OmitIf(plant.arm.links.empty());
   map.Add("mass_scale", Number(plant.mass_scale, 0.5, 2),
           "Factor on the mass of every link of arm and hand; the robot's controller ignores it.")
       .OmitIf(plant.mass_scale == 1);
