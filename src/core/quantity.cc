@@ -37,7 +37,7 @@ constexpr std::array kTorqueRateUnits{Unit{"Nm/s", 1}};
 constexpr std::array kStiffnessUnits{Unit{"Nm/rad", 1}};
 constexpr std::array kLinearStiffnessUnits{Unit{"N/m", 1}};
 constexpr std::array kLinearDampingUnits{Unit{"Ns/m", 1}};
-constexpr std::array kAngularDampingUnits{Unit{"Nms/rad", 1}};
+constexpr std::array kAngularDampingUnits{Unit{"Nms/rad", 1}, Unit{"Nm s/rad", 1}};
 constexpr std::array kSteepnessUnits{Unit{"s/rad", 1}};
 constexpr std::array kIntegralGainUnits{Unit{"Nm/rad/s", 1}};
 constexpr std::array kRateUnits{Unit{"1/s", 1}};
@@ -73,7 +73,7 @@ DimensionInfo Info(Dimension dimension) {
     case Dimension::kLinearStiffness: return {"a stiffness", "1000 N/m", kLinearStiffnessUnits};
     case Dimension::kLinearDamping: return {"a damping", "30 Ns/m", kLinearDampingUnits};
     case Dimension::kAngularDamping: return {"a damping", "10 Nms/rad", kAngularDampingUnits};
-    case Dimension::kSteepness: return {"a steepness", "10 s/rad", kSteepnessUnits};
+    case Dimension::kSteepness: return {"a steepness", "100 s/rad", kSteepnessUnits};
     case Dimension::kIntegralGain: return {"an integral gain", "5 Nm/rad/s", kIntegralGainUnits};
     case Dimension::kRate: return {"a rate", "10 1/s", kRateUnits};
     case Dimension::kInertia: return {"a moment of inertia", "0.2 kg m^2", kInertiaUnits};

@@ -10,12 +10,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <mujoco/mujoco.h>
-#include <Eigen/Eigenvalues>
 
 #include "plant/base_joints.h"
 #include "plant/file_bytes.h"
 #include "plant/robot_description.h"
 #include "plant/scene_objects.h"
+#include "plant/thickness.h"
 #include "twin/core/error.h"
 #include "twin/plant/mjcf_files.h"
 
@@ -35,6 +35,7 @@ constexpr std::string_view kPlainScene = R"(<mujoco>
 
 /// Body name of MujocoPlantOptions::load.
 constexpr std::string_view kLoadBody = "load";
+constexpr const char* kLoadText = "the load on the flange";
 
 constexpr std::string_view kPackageScheme = "package://";
 
@@ -153,18 +154,6 @@ double InertiaOfSteelBall(double mass) {
   return 0.4 * mass * std::pow(0.75 * mass / (std::numbers::pi * kDensity), 2.0 / 3.0);
 }
 
-/// The engine rotates bodies about every axis, so it cannot simulate zero inertia about one.
-void RequireThickness(const std::string& body, const Matrix3& inertia) {
-  const Eigen::Map<const Eigen::Matrix3d> I(inertia.data());
-  const Eigen::Vector3d moments =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(I, Eigen::EigenvaluesOnly).eigenvalues();
-  if (moments[0] > 0) return;
-  throw InputError(
-      fmt::format("{}: its least principal moment of inertia is {} kg m^2, that "
-                  "of a rod without thickness; it must be above 0",
-                  body, moments[0]));
-}
-
 void RequireVisualError(double error) {
   if (error >= 0 && error <= 0.01) return;
   throw InputError(fmt::format(
@@ -187,45 +176,20 @@ void ScaleMasses(double scale, RobotDescription& robot) {
   }
 }
 
-/// Gives the links of the seven joints the masses of one arm.
-void ReplaceLinks(const std::array<setting::Load, kJoints>& figures, ContentHash& hash,
-                  RobotDescription& robot) {
-  const setting::Load* figure = figures.data();
-  for (Link& link : robot.links) {
-    if (link.joint_kind != JointKind::kRevolute || figure == figures.data() + kJoints) continue;
-    if (figure->m_load <= 0) throw InputError(fmt::format("{}: it has no mass", link.name));
-    RequireThickness(link.name, figure->I_load);
-    link.inertial = Inertial{figure->m_load, figure->F_x_Cload, figure->I_load};
-    hash.Add(fmt::format("{} {} {}", figure->m_load, fmt::join(figure->F_x_Cload, " "),
-                         fmt::join(figure->I_load, " ")));
-    ++figure;
-  }
-}
-
-JointVector ArmatureOf(const MujocoPlantOptions& options) {
-  if (options.figures.armature) return *options.figures.armature;
-  return options.armature ? kArmature : JointVector{};
-}
-
-/// The plant computes friction from the velocity before each step, so a law that is too steep for
-/// the inertia that it brakes would push the joint to and fro.
-void RequireStable(const FrictionLaw& law, const JointVector& armature) {
-  constexpr double kLeastInertia = 3e-3;  // of the plant's links about any joint, kg m^2
-  for (std::size_t i = 0; i < kJoints; ++i) {
-    const double slope = law.viscous[i] + 0.5 * law.coulomb[i] * law.steepness[i];
-    const double most = 0.5 * (armature[i] + kLeastInertia) / kCycleSeconds;
-    if (slope <= most) continue;
-    throw InputError(fmt::format(
-        "plant.friction: joint {} brakes by {:.4g} Nms/rad at rest (viscous + coulomb steepness / "
-        "2), and its inertia bears {:.4g} in steps of 1 ms; choose a smaller steepness{}",
-        i + 1, slope, most, armature[i] == 0 ? ", or keep plant.armature" : ""));
+/// Gives the links behind the seven joints other mass properties. @param links  seven or none.
+void ReplaceInertials(const std::vector<setting::Load>& links, RobotDescription& robot) {
+  auto link = links.begin();
+  for (Link& one : robot.links) {
+    if (one.joint_kind != JointKind::kRevolute || link == links.end()) continue;
+    one.inertial = Inertial{link->m_load, link->F_x_Cload, link->I_load};
+    ++link;
   }
 }
 
 /// Fixes the load to the flange: the last link of the arm.
 void Attach(const setting::Load& load, RobotDescription& robot) {
   if (const auto bad = FindBadValue(load)) {
-    throw InputError(fmt::format("the load on the flange: {}", Describe(*bad)));
+    throw InputError(fmt::format("{}: {}", kLoadText, Describe(*bad)));
   }
   if (load.m_load == 0) return;
   Link body;
@@ -236,7 +200,7 @@ void Attach(const setting::Load& load, RobotDescription& robot) {
     const double I = InertiaOfSteelBall(load.m_load);
     body.inertial->I = {I, 0, 0, 0, I, 0, 0, 0, I};
   }
-  RequireThickness("the load on the flange", body.inertial->I);
+  RequireThickness(kLoadText, body.inertial->I);
   robot.links.push_back(body);
 }
 
@@ -245,25 +209,33 @@ void Attach(const setting::Load& load, RobotDescription& robot) {
 ModelSources ReadModelSources(const MujocoPlantOptions& options) {
   ModelSources sources;
   RequireVisualError(options.visual_error);
+  Validate(options.arm, options.armature);
+  sources.armature = RotorInertia(options.armature, options.arm);
+  const FrictionProfile friction =
+      options.arm.friction_law ? FrictionProfile::kNone : options.friction;
   sources.visual_error = options.visual_error;
-  sources.friction = options.figures.friction ? FrictionProfile::kNone : options.friction;
-  sources.armature = ArmatureOf(options);
-  if (options.figures.friction) RequireStable(*options.figures.friction, sources.armature);
+  sources.friction = friction;
   sources.uses_meshes =
       !options.mesh_package.empty() && std::filesystem::is_directory(options.mesh_package);
   ContentHash hash;
   hash.Add(kComposition);
   hash.Add(fmt::format("mujoco {} friction {} armature {} hand {} meshes {}", mj_version(),
-                       static_cast<int>(sources.friction), options.armature,
-                       static_cast<int>(options.hand), sources.uses_meshes));
+                       static_cast<int>(friction), options.armature, static_cast<int>(options.hand),
+                       sources.uses_meshes));
   hash.Add(fmt::format("load {} {} {}", options.load.m_load, fmt::join(options.load.F_x_Cload, " "),
                        fmt::join(options.load.I_load, " ")));
+  if (options.arm.armature) {
+    hash.Add(fmt::format("rotors {}", fmt::join(sources.armature, " ")));
+  }
+  for (const setting::Load& link : options.arm.links) {
+    hash.Add(fmt::format("link {} {} {}", link.m_load, fmt::join(link.F_x_Cload, " "),
+                         fmt::join(link.I_load, " ")));
+  }
   if (options.mass_scale != 1) hash.Add(fmt::format("mass scale {}", options.mass_scale));
-  if (options.figures.armature) hash.Add(fmt::format("{}", fmt::join(sources.armature, " ")));
   hash.Add(fmt::format("visual error {}", options.visual_error));
   DescriptionReader reader(options, sources, hash);
   sources.robot = reader.Read(options.urdf);
-  if (options.figures.links) ReplaceLinks(*options.figures.links, hash, sources.robot);
+  ReplaceInertials(options.arm.links, sources.robot);
   if (options.mass_scale != 1) ScaleMasses(options.mass_scale, sources.robot);
   RequireNoWheels(sources.robot, options.urdf);
   RequireSevenJoints(sources.robot, options.urdf);

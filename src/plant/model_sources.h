@@ -28,8 +28,8 @@ struct ModelSources {
   bool scene_is_self_contained =
       true;  ///< false: it refers to further files, which the key does not cover
   FrictionProfile friction = FrictionProfile::kNone;
-  JointVector armature{};  ///< kg m^2
-  std::string key;  ///< hash of all of the above, MuJoCo's version and the composition
+  JointVector armature{};  ///< inertia of the rotors, kg m^2
+  std::string key;         ///< hash of all of the above, MuJoCo's version and the composition
 };
 
 /// Reads the files in `options`. The hand is `../hand/hand.urdf` and primitive shapes are in

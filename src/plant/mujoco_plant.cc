@@ -16,6 +16,7 @@
 #include "plant/model_builder.h"
 #include "plant/model_sources.h"
 #include "plant/perturber.h"
+#include "plant/torque_delay.h"
 #include "twin/core/error.h"
 #include "twin/core/random.h"
 #include "twin/plant/engine.h"
@@ -57,7 +58,7 @@ class EnginePlant final : public MujocoPlant {
  public:
   EnginePlant(const MujocoPlantOptions& options, const ModelSources& sources, BuiltModel built)
       : friction_(options.friction),
-        figures_(options.figures),
+        friction_law_(options.arm.friction_law),
         noise_(options.noise),
         random_(options.seed, RandomStream::kSensorNoise),
         uses_meshes_(sources.uses_meshes),
@@ -66,8 +67,10 @@ class EnginePlant final : public MujocoPlant {
         data_(mj_makeData(model_.get())),
         joints_(FindJoints(*model_, sources.robot)),
         elasticity_(options.elasticity),
+        stiffness_(options.arm.stiffness),
         live_{.perturber = Perturber(*model_),
-              .brakes = Brakes(*model_, joints_.dof, joints_.tau_max)} {
+              .brakes = Brakes(*model_, joints_.dof, joints_.tau_max),
+              .tau_J_late = TorqueDelay(options.arm.torque_delay)} {
     TiltGravity(options.base_tilt, *model_);
     for (const Perturbation& perturbation : options.perturbations)
       live_.perturber.Add(perturbation);
@@ -117,17 +120,14 @@ class EnginePlant final : public MujocoPlant {
   [[nodiscard]] std::string DescribeWarnings() const override;
 
  private:
-  /// The last torques, by tick: one more than the longest delay has cycles.
-  using TorqueLine = std::array<JointVector, kLongestTorqueDelay / kCycle + 2>;
-
   /// All that changes beside the engine's data and the friction of closed brakes.
   struct Live {
     Perturber perturber;
     Brakes brakes;
     std::optional<HandJoints> hand{};
     std::optional<BaseJoints> base{};
-    JointVector tau_J{};  ///< as the sensors showed it last, without noise
-    TorqueLine line{};
+    JointVector tau_J{};  ///< of the last step, without noise
+    TorqueDelay tau_J_late;
     JointSensors sensors{};
     std::uint64_t tick = 0;  ///< steps since the last Reset(); key of the noise
     bool halted = false;
@@ -153,18 +153,14 @@ class EnginePlant final : public MujocoPlant {
   /// After an error of the engine.
   void Halt() noexcept TWIN_REALTIME;
 
-  /// Torque that opposes the motion, but for what the engine itself computes, Nm.
   [[nodiscard]] JointVector FrictionAt(const JointVector& dq) const noexcept TWIN_REALTIME;
-  /// What the torque sensors show now.
-  [[nodiscard]] JointVector Delayed(const JointVector& tau_J) noexcept TWIN_REALTIME;
-
   /// Reads the joints into sensors and adds this tick's noise.
-  void Sense(const JointVector& true_tau_J) noexcept TWIN_REALTIME;
+  void Sense(const JointVector& tau_J) noexcept TWIN_REALTIME;
   /// Collects the engine's warnings. @returns false for one that invalidates the motion.
   bool TakeWarnings() noexcept TWIN_REALTIME;
 
   const FrictionProfile friction_;
-  const JointFigures figures_;
+  const std::optional<FrictionLaw> friction_law_;
   const SensorNoise noise_;
   Random random_;
   const bool uses_meshes_;
@@ -177,6 +173,7 @@ class EnginePlant final : public MujocoPlant {
   const ArmJoints joints_;
   JointVector armature_{};
   const ElasticityProfile elasticity_;
+  const JointVector stiffness_;
   Live live_;
   // Counts since Create(), which no Restore() takes back.
   std::array<std::uint64_t, mjNWARNING> warnings_{};
@@ -203,8 +200,14 @@ void EnginePlant::Reset(const JointVector& q) {
   JointVector tau_J{};
   for (std::size_t i = 0; i < kJoints; ++i) tau_J[i] = data_->qfrc_bias[joints_.dof[i]];
   live_.tau_J = tau_J;
+  live_.tau_J_late.Fill(tau_J);
   Sense(tau_J);
   if (live_.base) live_.base->Sense(*data_);
+}
+
+JointVector EnginePlant::FrictionAt(const JointVector& dq) const noexcept {
+  if (friction_law_) return Friction(*friction_law_, dq);
+  return friction_ == FrictionProfile::kResidual ? ResidualFriction(dq) : JointVector{};
 }
 
 void EnginePlant::Step(const JointDrive& drive) noexcept {
@@ -249,11 +252,6 @@ void EnginePlant::Step(const JointDrive& drive) noexcept {
   Sense(tau_J);
   if (live_.hand) live_.hand->Sense(*data_);
   if (live_.base) live_.base->Sense(*data_);
-}
-
-JointVector EnginePlant::FrictionAt(const JointVector& dq) const noexcept {
-  if (figures_.friction) return figures_.friction->Torque(dq);
-  return friction_ == FrictionProfile::kResidual ? ResidualFriction(dq) : JointVector{};
 }
 
 void EnginePlant::Halt() noexcept {
@@ -322,26 +320,8 @@ void EnginePlant::Restore(const State& state) {
   live_ = saved.live;
 }
 
-JointVector EnginePlant::Delayed(const JointVector& tau_J) noexcept {
-  if (figures_.tau_J_delay == Duration::zero()) return tau_J;
-  TorqueLine& line = live_.line;
-  if (live_.tick == 0) line.fill(tau_J);
-  line[live_.tick % line.size()] = tau_J;
-  const auto whole = static_cast<std::uint64_t>(figures_.tau_J_delay / kCycle);
-  const double part = ToSeconds(figures_.tau_J_delay % kCycle) / kCycleSeconds;
-  const auto before = [&](std::uint64_t cycles) -> const JointVector& {
-    return line[(live_.tick + line.size() - cycles) % line.size()];
-  };
-  const JointVector& newer = before(whole);
-  const JointVector& older = before(whole + 1);
-  JointVector shown;
-  for (std::size_t i = 0; i < kJoints; ++i) shown[i] = newer[i] + part * (older[i] - newer[i]);
-  return shown;
-}
-
-void EnginePlant::Sense(const JointVector& true_tau_J) noexcept {
-  const JointVector tau_J = Delayed(true_tau_J);
-  live_.sensors.tau_J = tau_J;
+void EnginePlant::Sense(const JointVector& tau_J) noexcept {
+  live_.sensors.tau_J = live_.tau_J_late.Pass(tau_J);
   for (std::size_t i = 0; i < kJoints; ++i) {
     live_.sensors.q[i] = data_->qpos[joints_.qpos[i]];
     live_.sensors.dq[i] = data_->qvel[joints_.dof[i]];
@@ -357,11 +337,10 @@ void EnginePlant::Sense(const JointVector& true_tau_J) noexcept {
   add(noise_.tau_J_Nm, 2 * kJoints, live_.sensors.tau_J);
   live_.sensors.theta = live_.sensors.q;
   live_.sensors.dtheta = live_.sensors.dq;
-  if (figures_.stiffness || elasticity_ == ElasticityProfile::kStatic) {
+  if (elasticity_ == ElasticityProfile::kStatic) {
     for (std::size_t i = 0; i < kJoints; ++i) {
-      const double k = figures_.stiffness ? (*figures_.stiffness)[i] : kJointStiffness;
-      live_.sensors.theta[i] += tau_J[i] / k;
-      live_.sensors.dtheta[i] += (tau_J[i] - live_.tau_J[i]) / (kCycleSeconds * k);
+      live_.sensors.theta[i] += tau_J[i] / stiffness_[i];
+      live_.sensors.dtheta[i] += (tau_J[i] - live_.tau_J[i]) / (kCycleSeconds * stiffness_[i]);
     }
   }
   live_.tau_J = tau_J;

@@ -34,7 +34,9 @@ onboard::OnboardConfig MakeOnboard(const scenario::Scenario& scenario,
   config.abort_after_lost = section.abort_after_lost;
   config.friction_compensation = section.friction_compensation;
   // Without armature the simulated drives have no rotors, and INT must not push against any.
-  if (scenario.plant.armature) config.rotor_inertia = robot.rotor_inertia;
+  if (scenario.plant.armature) {
+    config.rotor_inertia = scenario.plant.arm.armature.value_or(robot.rotor_inertia);
+  }
   config.end_effector = robot.end_effector;
   config.F_T_NE = robot.F_T_NE;
   config.guard_has_hand = scenario.robot.hand != plant::HandKind::kNone;
@@ -60,7 +62,7 @@ plant::MujocoPlantOptions MakePlant(const scenario::Scenario& scenario,
   options.friction = scenario.plant.friction;
   options.armature = scenario.plant.armature;
   options.elasticity = scenario.plant.elasticity;
-  options.figures = scenario.plant.figures;
+  options.arm = scenario.plant.arm;
   options.mass_scale = scenario.plant.mass_scale;
   options.base_tilt = scenario.plant.base_tilt;
   options.load = scenario.robot.load;

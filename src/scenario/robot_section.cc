@@ -40,14 +40,6 @@ Value Torques(JointVector& torques) {
   return Joints(torques, kTorque);
 }
 
-Value NotNegative(JointVector& values, Dimension dimension) {
-  return Validated(Joints(values, dimension), [&values] {
-    for (const double value : values) {
-      if (value < 0) throw InputError(fmt::format("has {}; each must be at least 0", value));
-    }
-  });
-}
-
 /// Adds a threshold without suffix, which sets both thresholds.
 template <typename Bind, typename Values>
 void AddBoth(Map& map, const std::string& key, Bind bind, Values& acc, Values& nominal,
@@ -114,11 +106,12 @@ static void Describe(Map& map, setting::Filters& filters) {
   map.Add("controller", Cutoff(filters.controller_hz), "Low-pass on torques.");
 }
 
-static void Describe(Map& map, setting::Load& load) {
+/// @param frame  of the centre of mass, and of what its moments are, for people.
+static void DescribeBody(Map& map, setting::Load& load, std::string_view position,
+                         std::string_view inertia) {
   Matrix3& I = load.I_load;
   map.Require("mass", Quantity(load.m_load, kMass, 0, 100), "Mass of the body.");
-  map.Add("position", Vector(load.F_x_Cload, kLength, -kMostLength, kMostLength),
-          "Centre of mass in the flange frame.");
+  map.Add("position", Vector(load.F_x_Cload, kLength, -kMostLength, kMostLength), position);
   map.Add("inertia",
           Converted(
               Vector3{I[0], I[4], I[8]},
@@ -126,7 +119,7 @@ static void Describe(Map& map, setting::Load& load) {
               [&I](const Vector3& moments) {
                 for (std::size_t i = 0; i < 3; ++i) I[4 * i] = moments[i];
               }),
-          "Moments about the centre of mass: xx, yy, zz; of robot.load all zero: a steel ball's.");
+          inertia);
   map.Add(
       "products_of_inertia",
       Converted(
@@ -137,6 +130,12 @@ static void Describe(Map& map, setting::Load& load) {
             I = {I[0], xy, xz, xy, I[4], yz, xz, yz, I[8]};
           }),
       "Products of inertia: xy, xz, yz.");
+}
+
+static void Describe(Map& map, setting::Load& load) {
+  DescribeBody(
+      map, load, "Centre of mass in the flange frame.",
+      "Moments about the centre of mass: xx, yy, zz; of robot.load all zero: a steel ball's.");
 }
 
 static void Describe(Map& map, BasePose& pose) {
@@ -205,83 +204,88 @@ void Describe(Map& map, BaseSection& base, Place& place) {
       .OmitIf(base.drive.empty());
 }
 
-static void Describe(Map& map, plant::FrictionLaw& law) {
-  map.Add("viscous", NotNegative(law.viscous, kAngularDamping), "Slope at high speed.");
-  map.Add("coulomb", NotNegative(law.coulomb, kTorque),
-          "Step where the direction changes, half of it.");
-  map.Add("offset", Joints(law.offset, kTorque), "Torque at any speed.");
-  map.Add("steepness", NotNegative(law.steepness, kSteepness), "How sharp the step is.");
-  map.Add("shift", Joints(law.shift, kAngularVelocity),
-          "Velocity at the step, with the other sign.");
-}
-
-/// A name, or figures in its place.
-template <typename T, typename Bind>
-static Value OrFigures(const Value& name, std::optional<T>& figures, Bind bind) {
-  Value either = Either(name, Optional(figures, bind), [&figures] { return !figures.has_value(); });
-  either.read = [&figures, read = either.read](const YamlNode& node) {
-    figures.reset();
-    read(node);
-  };
-  return either;
-}
-
-static Value FrictionOf(plant::FrictionLaw& law) {
-  return SectionOf(law);
-}
-
-static Value InertiaOf(JointVector& values) {
-  return NotNegative(values, kInertia);
-}
-
-static Value StiffnessOf(JointVector& values) {
-  return Validated(Joints(values, kStiffness), [&values] {
-    for (const double k : values) RequireInRange("a stiffness, Nm/rad", k, 100, 1e9);
-  });
-}
-
-static Value LinksOf(std::optional<std::array<setting::Load, kJoints>>& links) {
-  return Converted(
-      links ? std::vector(links->begin(), links->end()) : std::vector<setting::Load>{},
-      [](std::vector<setting::Load>& list) {
-        return Validated(List(list, LoadOf, Style::kBlock), [&list] {
-          if (!list.empty() && list.size() != kJoints) throw InputError("takes seven links");
-        });
-      },
-      [&links](const std::vector<setting::Load>& list) {
-        links.reset();
-        if (!list.empty()) std::ranges::copy(list, links.emplace().begin());
-      });
-}
-
 static void Describe(Map& map, plant::BaseTilt& tilt) {
   map.Add("roll", Quantity(tilt.roll, kAngle, -0.2, 0.2), "Angle about x.");
   map.Add("pitch", Quantity(tilt.pitch, kAngle, -0.2, 0.2), "Angle about y.");
 }
 
+static void Describe(Map& map, plant::FrictionLaw& law) {
+  map.Add("viscous", Joints(law.viscous, kAngularDamping), "Torque per velocity.");
+  map.Add("coulomb", Joints(law.coulomb, kTorque), "Half the height of the sigmoid.");
+  map.Add("offset", Joints(law.offset, kTorque), "Torque at rest.");
+  map.Add("steepness", Joints(law.steepness, kSteepness), "Of the sigmoid.");
+  map.Add("shift", Joints(law.shift, kAngularVelocity), "Of the sigmoid's middle.");
+}
+
+static Value FrictionOf(PlantSection& plant) {
+  Value profile = Choice(plant.friction, kFrictionNames);
+  profile.read = [&plant, read = profile.read](const YamlNode& node) {
+    plant.arm.friction_law.reset();
+    read(node);
+  };
+  const auto law = Optional(plant.arm.friction_law, [](auto& one) { return SectionOf(one); });
+  return Either(profile, law, [&plant] { return !plant.arm.friction_law; });
+}
+
+static Value ArmatureOf(PlantSection& plant) {
+  Value is_there = Bool(plant.armature);
+  is_there.read = [&plant, read = is_there.read](const YamlNode& node) {
+    plant.arm.armature.reset();
+    read(node);
+  };
+  Value values = Optional(plant.arm.armature, [](JointVector& B) { return Joints(B, kInertia); });
+  values.read = [&plant, read = values.read](const YamlNode& node) {
+    plant.armature = true;
+    read(node);
+  };
+  return Either(is_there, values, [&plant] { return !plant.armature || !plant.arm.armature; });
+}
+
+static Value ElasticityOf(PlantSection& plant) {
+  Value kind = Choice(plant.elasticity, kElasticityNames);
+  kind.read = [&plant, read = kind.read](const YamlNode& node) {
+    plant.arm.stiffness = plant::kJointStiffness;
+    read(node);
+  };
+  Value stiffness = Joints(plant.arm.stiffness, kStiffness);
+  stiffness.read = [&plant, read = stiffness.read](const YamlNode& node) {
+    plant.elasticity = plant::ElasticityProfile::kStatic;
+    read(node);
+  };
+  return Either(kind, stiffness, [&plant] {
+    return plant.elasticity == plant::ElasticityProfile::kRigid ||
+           plant.arm.stiffness == plant::kJointStiffness;
+  });
+}
+
+static Value LinkOf(setting::Load& link) {
+  return Section([&link](Map& map) {
+    DescribeBody(map, link, "Centre of mass in the frame of the link's joint.",
+                 "Moments about the centre of mass: xx, yy, zz.");
+  });
+}
+
 void Describe(Map& map, PlantSection& plant) {
   map.Add("kind", Choice(plant.kind, kPlantNames),
           "Physics by MuJoCo, or an arm that does exactly what is desired.");
-  plant::JointFigures& figures = plant.figures;
   map.Add(
-      "friction", OrFigures(Choice(plant.friction, kFrictionNames), figures.friction, FrictionOf),
-      "Friction of the joints; a map: tau_f(dq) = viscous dq + coulomb (s(dq + shift) - s(shift)) + "
-      "offset, s(v) = 2 / (1 + exp(-steepness v)).");
-  map.Add("armature", OrFigures(Bool(plant.armature), figures.armature, InertiaOf),
-          "Reflected inertia of the rotors: the model's, none, or these.");
-  map.Add("elasticity",
-          OrFigures(Choice(plant.elasticity, kElasticityNames), figures.stiffness, StiffnessOf),
-          "rigid: theta = q; static: theta = q + tau_J / k, k = 14250 Nm/rad, or this k.");
-  map.Add("delay", Section([&figures](Map& of) {
+      "friction", FrictionOf(plant),
+      "Friction of the joints, opposed to their velocity v; a map: viscous v + coulomb (2 / (1 + "
+      "exp(-steepness (v + shift))) - 2 / (1 + exp(-steepness shift))) + offset.");
+  map.Add("armature", ArmatureOf(plant), "Reflected inertia of the rotors; a map: their values.");
+  map.Add(
+      "elasticity", ElasticityOf(plant),
+      "rigid: theta = q; static: theta = q + tau_J / k, k = 14250 Nm/rad; a map: each joint's k.");
+  map.Add("delay", Section([&plant](Map& of) {
             of.Add("tau_J",
-                   TimeSpan(figures.tau_J_delay, Duration::zero(), plant::kLongestTorqueDelay),
-                   "Delay of the joints' torque sensors.");
+                   TimeSpan(plant.arm.torque_delay, Duration::zero(), plant::kLongestTorqueDelay),
+                   "Of the torque sensors.");
           }),
-          "Delays of the sensors.")
-      .OmitIf(figures.tau_J_delay == Duration::zero());
-  map.Add("links", LinksOf(figures.links),
-          "Seven links in place of the model's: mass, centre of mass in the joint's frame, inertia "
-          "about it.");
+          "By how much sensors are late.")
+      .OmitIf(plant.arm.torque_delay == Duration::zero());
+  map.Add("links", List(plant.arm.links, LinkOf, Style::kBlock),
+          "Masses of links 1 to 7 in place of the URDF's: all seven.")
+      .OmitIf(plant.arm.links.empty());
   map.Add("mass_scale", Number(plant.mass_scale, 0.5, 2),
           "Factor on the mass of every link of arm and hand; the robot's controller ignores it.")
       .OmitIf(plant.mass_scale == 1);

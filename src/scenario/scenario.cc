@@ -35,10 +35,18 @@ void ValidateLoop(const Scenario& scenario) {
 
 void ValidatePlant(const Scenario& scenario) {
   const PlantSection& plant = scenario.plant;
+  try {
+    plant::Validate(plant.arm, plant.armature);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("plant.{}", error.what()));
+  }
   if (plant.kind != robot::PlantKind::kIdeal) return;
-  RefuseIf(plant.mass_scale != 1 || !(plant.base_tilt == plant::BaseTilt()),
-           "plant: the ideal plant does what INT wants, whatever it weighs and however it stands; "
-           "leave mass_scale and base_tilt out, or say kind: mujoco");
+  RefuseIf(
+      plant.mass_scale != 1 || !(plant.base_tilt == plant::BaseTilt()) ||
+          !plant.arm.links.empty() || plant.arm.friction_law ||
+          plant.arm.torque_delay != Duration::zero(),
+      "plant: the ideal plant does what INT wants, whatever it weighs and however it stands; "
+      "leave mass_scale, base_tilt, links, delay and a law of friction out, or say kind: mujoco");
   RefuseIf(!scenario.perturbations.empty(),
            "perturbations: the ideal plant feels no forces; say plant: {kind: mujoco}, or leave "
            "them out");

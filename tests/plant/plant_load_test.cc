@@ -102,14 +102,14 @@ TEST(PlantElasticityTest, BendsTheMotorsAheadOfTheLinks) {
   plant->Reset(kReady);
   JointVector before = plant->sensors().theta;
   for (std::size_t i = 0; i < kJoints; ++i) {
-    EXPECT_DOUBLE_EQ(before[i], kReady[i] + plant->GravityTorque(kReady)[i] / kJointStiffness);
+    EXPECT_DOUBLE_EQ(before[i], kReady[i] + plant->GravityTorque(kReady)[i] / kJointStiffness[i]);
   }
   EXPECT_EQ(plant->sensors().dtheta, JointVector{}) << "at rest";
   for (int k = 0; k < 300; ++k) {
     plant->Step({.tau = {1, -2, 0.5, 20 + 5 * std::sin(0.05 * k)}});
     const JointSensors& now = plant->sensors();
     for (std::size_t i = 0; i < kJoints; ++i) {
-      ASSERT_DOUBLE_EQ(now.theta[i], now.q[i] + now.tau_J[i] / kJointStiffness);
+      ASSERT_DOUBLE_EQ(now.theta[i], now.q[i] + now.tau_J[i] / kJointStiffness[i]);
       // The engine's q moves by dq of the end of the step: so dtheta is theta's own difference.
       ASSERT_NEAR(now.dtheta[i], (now.theta[i] - before[i]) / 1e-3, 1e-9) << i << " " << k;
     }

@@ -12,109 +12,26 @@ import time
 import unittest
 
 import numpy as np
+from made_comparison import (
+    made_closed,
+    made_comparison,
+    made_estimate,
+    made_identified,
+    made_log,
+    made_open,
+    made_timing,
+    with_nan,
+)
 
-import panda_twin
 from panda_twin.identify import _plots, _summary
 from panda_twin.identify._causes import Cause
-from panda_twin.identify._demand import TORQUE_LIMITS, judge, read_demand
+from panda_twin.identify._demand import judge, read_demand
 from panda_twin.identify._identify import Identified
-from panda_twin.identify._model import body_parameters
-from panda_twin.identify._regression import Estimate
 from panda_twin.identify._report import tell, write_report
-from panda_twin.identify._result import Closed, CommandDelay, Comparison, External, LogFacts, Open, rms
-from panda_twin.identify._terms import ALL, Delay, Load, Parameter, _friction_parameters
-from panda_twin.identify._timing import Timing
+from panda_twin.identify._result import CommandDelay, External, Open
+from panda_twin.identify._terms import Parameter
 
 HOSTILE = "<script>alert('$x$')</script>&\x1b[31m\udcff.csv"
-COULOMB = np.array([0.25, 0.4, 0.62, 0.5, 0.3, 0.12, 0.2])
-
-
-def rng():
-    return np.random.default_rng(3)
-
-
-def made_timing(**changes):
-    edges = np.linspace(0, 2, 41)
-    counts = np.rint(2e5 * np.exp(-0.5 * ((edges[:-1] - 0.97) / 0.08) ** 2)).astype(np.int64)
-    counts[-1] = 3
-    success = np.zeros(101, np.int64)
-    success[[100, 99, 98, 95]] = 59000, 900, 80, 20
-    timing = Timing("message_id", 1.0, 1.0006, 0.031, 9.2, 23.417, 11, 4, 2, True, (edges, counts), {1: 90, 2: 40, 3: 11, 5: 2},
-                    (np.append(np.arange(101) - 0.5, 100.5) / 100, success))
-    return dataclasses.replace(timing, **changes)
-
-
-def made_log(**changes):
-    log = LogFacts("lab3/run_17.mcap", "MCAP of panda-twin", "9f" * 32, 60000, 60.0, made_timing(),
-                   [("theta", "stiffness of the joints"), ("O_F_ext_hat_K", "the wrench")], ["2 rows have the stamp of the row before and are left out"],
-                   ["joint 5 and joint 6 may be swapped: their torques fit the other one better"])
-    return dataclasses.replace(log, **changes)
-
-
-def made_open(n=3000, after=True):
-    random = rng()
-    t = 0.02 * np.arange(n) + np.where(np.arange(n) > n // 2, 0.4, 0)
-    phase = np.arange(7) * 0.7
-    q = 0.8 * np.sin(0.9 * t[:, None] + phase) + 0.3 * np.sin(2.2 * t[:, None]) + np.array([0, -0.6, 0, -1.9, 0, 1.8, 0.8])
-    dq = 0.72 * np.cos(0.9 * t[:, None] + phase) + 0.66 * np.cos(2.2 * t[:, None])
-    noise = random.normal(0, 0.04, (n, 7)) * np.sqrt(TORQUE_LIMITS / 87)
-    before = COULOMB * np.tanh(30 * dq) + 0.15 * dq + 0.5 * (TORQUE_LIMITS > 50) * np.sin(q) + noise
-    return Open(t, q, dq, 10 * np.sin(q), before, noise + 0.01 * np.sin(q) if after else None)
-
-
-def made_estimate(parameters, values, sd):
-    values = np.asarray(values, float)
-    return Estimate(parameters, values, np.diag(np.asarray(sd, float) ** 2), np.isfinite(values), np.zeros((0, 7)))
-
-
-def made_identified():
-    load = body_parameters(0.84, [0.01, -0.004, 0.071], np.diag([2.1e-3, 2.3e-3, 1.4e-3]))
-    load[[5, 8]] = np.nan
-    friction = _friction_parameters([0, 1, 2, 3], 5) + _friction_parameters([4, 5, 6], 3)
-    law = [np.full(4, 0.15), COULOMB[:4], np.array([0.02, np.nan, -0.1, 0]), np.full(4, 14.2), np.full(4, 0.03), np.full(3, 0.08), COULOMB[4:], np.zeros(3)]
-    base = [Parameter(f"base[{i}]", f"hx of link {i % 7 + 1} with 3 others", "kg m", 0.1) for i in range(43)]
-    parameters = friction + Load().parameters + Delay().parameters + base
-    values = np.concatenate([*law, load, [0.00083], np.linspace(-0.1, 0.1, 43)])
-    estimates = [made_estimate(parameters, values, np.full(len(values), 0.004)),
-                 made_estimate([Parameter(f"plant.elasticity[{i}]", f"compliance of joint {i + 1}", "rad/Nm", 1e-3) for i in ALL], [7e-5] * 6 + [np.nan], [4e-6] * 7),
-                 made_estimate([Parameter(f"plant.armature[{i}]", f"armature of joint {i + 1}", "kg m^2", 0.5) for i in ALL] + _friction_parameters(ALL, 3),
-                               [0.6] * 7 + [0.1] * 21, [0.02] * 28)]
-    found = made_open()
-    return Identified(estimates, None, None, None, 0.00083, np.full(7, 14000.0), np.full(7, 0.6), (1.02 * rms(found.before), 1.1 * rms(found.after)),
-                      ["inertia xy of the load (the motion does not excite it)"])
-
-
-def made_closed(scale):
-    t = 0.01 * np.arange(6000)
-    position = scale * 1e-3 * (1 + np.sin(1.3 * t[:, None] + np.arange(7))) * np.linspace(3, 1, 7)
-    return Closed(t, position, position / 4, rms(position), np.abs(position).max(axis=0), scale * COULOMB, 60000,
-                  ["robot: joint_velocity_discontinuity at cycle 31877", "twin: none"], 12)
-
-
-def made_comparison(**changes):
-    before = made_open()
-    found = {"torque": rms(before.before), "torque_share": rms(before.before) / TORQUE_LIMITS, "position": made_closed(1).position_rms, "delay": np.array([0.00083]),
-             "lost": np.array([np.nan])}
-    demand = {**read_demand(None), **read_demand({"torque": "0.5 Nm", "lost": "0.1 %"})}
-    causes = [Cause("friction of joint 3", "joint 3 differs in friction by +0.62 +- 0.02 Nm Coulomb friction", "plant.friction of joint 3: --identify friction --write profile.yaml", 0.41),
-              Cause("load", "the flange carries +0.84 +- 0.01 kg that the twin does not", "robot: {load: {mass: 0.840 kg, position: [0.01, -0.004, 0.071] m}}", 0.3),
-              Cause("torque delay", "torques come +0.83 +- 0.04 ms later than the twin's", "plant: {delay: {tau_J: 0.83 ms}}", 0.05)]
-    profile = {"profile": 1, "scenario": {"plant": {"friction": {"coulomb": {"unit": "Nm", "values": COULOMB}}}, "robot": {"load": {"mass": "0.84 kg"}}}}
-    scenario = panda_twin.Scenario(name="lab_cell", description="The cell of lab 3 <b>", motion={"trajectory": {"unit": "rad", "waypoints": [{"q": [0, 0, 0, -1.5, 0, 1.5, 0]}, {"q": [0.1, 0, 0, -1.5, 0, 1.5, 0], "at": "1 s"}]}})
-    comparison = Comparison([made_log()], scenario, before, causes, made_identified(), made_closed(1), made_closed(0.1), External(COULOMB, np.array([2.0, 1, 3, 0.2, 0.1, 0.3]), 59.2),
-                            CommandDelay(np.arange(6), np.array([0, 0.001, 0.93, 0.06, 0.008, 0.001]), 1), found, judge(demand, found), ["the inertia of the load about z"], profile)
-    return dataclasses.replace(comparison, **changes)
-
-
-def with_nan(closed_or_open):
-    """The same with joint 6 not in the log."""
-    def lost(value):
-        if isinstance(value, np.ndarray) and value.shape[-1:] == (7,):
-            value = value.copy()
-            value[..., 5] = np.nan
-        return value
-
-    return dataclasses.replace(closed_or_open, **{f.name: lost(getattr(closed_or_open, f.name)) for f in dataclasses.fields(closed_or_open)})
 
 
 class Page(html.parser.HTMLParser):
@@ -166,7 +83,12 @@ class ReportTest(unittest.TestCase):
         told = tell(comparison)
         self.assertLessEqual(len(told.splitlines()), 40)
         for shown in (" ".join(page.text), told):
-            self.assertIsNone(re.search(r"\b(nan|none|inf)\b|\[\]|\{\}|Infinity", re.sub(r"misses none|twin: none|hand: none|: none of \d", "", shown), re.IGNORECASE), shown)
+            self.assertIsNone(
+                re.search(
+                    r"\b(nan|none|inf)\b|\[\]|\{\}|Infinity", re.sub(r"misses none|: none of \d", "", shown), re.IGNORECASE
+                ),
+                shown,
+            )
 
         def refuse(constant):
             raise AssertionError(constant)
@@ -178,7 +100,7 @@ class ReportTest(unittest.TestCase):
         begin = time.process_time()
         text, page, numbers, told = self.report(comparison)
         self.assertLess(len(text), 1_500_000)
-        self.assertLess(time.process_time() - begin, 10)
+        self.assertLess(time.process_time() - begin, 12)  # 1.5 s on a quiet host
         self.assertEqual(page.elements.count("svg"), 6)
         bad = sum(item.is_met is False for item in comparison.items)
         verdict = f"The twin is not the robot: {bad} of {len(comparison.items)} demands are not met"
@@ -191,7 +113,9 @@ class ReportTest(unittest.TestCase):
         coulomb = next(one for one in numbers["estimates"] if one["key"] == "plant.friction.coulomb[2]")
         self.assertEqual(coulomb["group"], "friction")
         np.testing.assert_allclose(coulomb["interval"], [0.62 - 1.959964 * 0.004, 0.62 + 1.959964 * 0.004])
-        self.assertIn("0.6200 ± 0.0078", text)
+        self.assertIn("0.620 ± 0.008", text)
+        self.assertNotIn("mathdefault", text)
+        self.assertIn(">0.003<", text)  # a tick of the spectra
         self.assertLess(numbers["residual"]["after"][2], numbers["residual"]["before"][2])
         self.assertEqual(numbers["logs"][0]["timing"]["held_runs"], {"1": 90, "2": 40, "3": 11, "5": 2})
 
@@ -200,9 +124,24 @@ class ReportTest(unittest.TestCase):
 
     def test_parts_may_be_absent(self):
         """All combinations of parts that are there, absent, or without a joint."""
-        absent = {"open": (made_open(200), None), "identified": (made_identified(), None), "closed": (made_closed(1), None),
-                  "rest": ({}, {"external": None, "command_delay": None, "causes": [], "untold": [], "profile": None, "closed_after": None, "logs": []}),
-                  "items": (made_comparison().items, [])}
+        absent = {
+            "open": (made_open(200), None),
+            "identified": (made_identified(), None),
+            "closed": (made_closed(1), None),
+            "rest": (
+                {},
+                {
+                    "external": None,
+                    "command_delay": None,
+                    "causes": [],
+                    "untold": [],
+                    "profile": None,
+                    "closed_after": None,
+                    "logs": [],
+                    "items": [],
+                },
+            ),
+        }
         for values in itertools.product(*absent.values()):
             changes = dict(zip(absent, values))
             changes |= changes.pop("rest")
@@ -210,20 +149,41 @@ class ReportTest(unittest.TestCase):
                 comparison = made_comparison(**changes, found={})
                 page = self.report(comparison)[1]
                 text = " ".join(page.text)
-                for part, sentence in (("open", "The torques were not compared"), ("identified", "no --identify was given"), ("closed", "The logs were not replayed")):
+                for part, sentence in (
+                    ("open", "The torques were not compared"),
+                    ("identified", "no --identify was given"),
+                    ("closed", "The logs were not replayed"),
+                ):
                     self.assertEqual(sentence in text, changes[part] is None)
 
     def test_parts_may_be_empty_or_not_told(self):
         empty = np.zeros((0, 7))
         nothing = Open(np.zeros(0), empty, empty, empty, empty, empty)
-        few = dataclasses.replace(made_closed(1), t=np.zeros(0), position=empty, reference=empty, events=[], first_difference=None)
-        untimed = made_timing(intervals=(np.linspace(0, 2, 41), np.zeros(40, np.int64)), held={}, success=None, sorted=False, sd=np.nan, longest=np.nan, by="time")
+        few = dataclasses.replace(
+            made_closed(1), t=np.zeros(0), position=empty, reference=empty, events=[], first_difference=None
+        )
+        untimed = made_timing(
+            intervals=(np.linspace(0, 2, 41), np.zeros(40, np.int64)),
+            held={},
+            success=None,
+            sorted=False,
+            sd=np.nan,
+            longest=np.nan,
+            by="time",
+        )
         log = made_log(timing=untimed, missing=[], notes=[], suspicions=[], rows=0, seconds=np.nan, sha256="")
         no_estimate = Identified([], None, None, None, None, np.full(7, np.inf), None, None, [])
-        for changes in ({"open": nothing, "closed": few}, {"open": dataclasses.replace(made_open(3), after=None)}, {"open": with_nan(made_open()), "closed": with_nan(made_closed(1))},
-                        {"logs": [log], "command_delay": None, "identified": no_estimate}, {"command_delay": CommandDelay(np.zeros(0), np.zeros(0), 1)},
-                        {"external": External(np.full(7, np.nan), None, 0.0)}, {"open": dataclasses.replace(made_open(), before=np.full((3000, 7), np.nan))},
-                        {"open": dataclasses.replace(made_open(), before=np.zeros((3000, 7)), after=None)}, {"logs": [made_log(), log, *[made_log()] * 6]}):
+        for changes in (
+            {"open": nothing, "closed": few},
+            {"open": dataclasses.replace(made_open(3), after=None)},
+            {"open": with_nan(made_open()), "closed": with_nan(made_closed(1))},
+            {"logs": [log], "command_delay": None, "identified": no_estimate},
+            {"command_delay": CommandDelay(np.zeros(0), np.zeros(0), 1)},
+            {"external": External(np.full(7, np.nan), None, 0.0)},
+            {"open": dataclasses.replace(made_open(), before=np.full((3000, 7), np.nan))},
+            {"open": dataclasses.replace(made_open(), before=np.zeros((3000, 7)), after=None)},
+            {"logs": [made_log(), log, *[made_log()] * 6]},
+        ):
             with self.subTest(str(changes)[:300]):
                 self.report(made_comparison(**changes))
 
@@ -232,21 +192,45 @@ class ReportTest(unittest.TestCase):
         good = {name: np.zeros_like(most) for name, most in demand.items()}
         part = {**good, "delay": np.array([np.nan])}
         bad = {**good, "delay": np.array([-0.004])}
-        for found, verdict, css in ((good, "The twin is the robot, as demanded", "met"), (part, "The twin is the robot, as demanded", "met"),
-                                    (bad, "The twin is not the robot: 1 of 15 demands is not met", "missed"),
-                                    ({}, "The data cannot tell whether the twin is the robot: none of 15 demands can be judged", "")):
+        for found, verdict, css in (
+            (good, "The twin is the robot, as demanded", "met"),
+            (part, "The twin is the robot, as demanded", "met"),
+            (bad, "The twin is not the robot: 1 of 15 demands is not met", "missed"),
+            ({}, "The data cannot tell whether the twin is the robot: none of 15 demands can be judged", ""),
+        ):
             comparison = made_comparison(items=judge(demand, found))
             with self.subTest(verdict):
                 self.assertIn(f'<h1 class="{css}">{verdict}</h1>', self.report(comparison)[0])
         self.assertIn("1 cannot be judged", _summary.in_detail(made_comparison(items=judge(demand, part))))
 
+    def test_numbers(self):
+        for value, sd, text in (
+            (0.5461, 0.0063, "0.546 ± 0.012"),
+            (0.5461, 0.002, "0.546 ± 0.004"),
+            (-1e-5, 0.002, "0.000 ± 0.004"),
+            (14250.0, 300.0, "14250 ± 588"),
+            (0.5, 0.0, "0.5"),
+            (np.nan, 0.1, "not told"),
+        ):
+            self.assertEqual(_summary.interval(value, sd), text)
+        self.assertEqual([_summary.number(x) for x in (14285.7, 0.04, np.inf, None)], ["14300", "0.04", "–", "–"])
+        self.assertEqual([_summary.percent(x) for x in (0.001, 0.41, 1.0)], ["<1 %", "41 %", "100 %"])
+
     def test_names_are_escaped(self):
-        log = made_log(name=HOSTILE, kind=HOSTILE, sha256=HOSTILE, missing=[(HOSTILE, HOSTILE)], notes=[HOSTILE], suspicions=[HOSTILE])
+        log = made_log(
+            name=HOSTILE, kind=HOSTILE, sha256=HOSTILE, missing=[(HOSTILE, HOSTILE)], notes=[HOSTILE], suspicions=[HOSTILE]
+        )
         closed = dataclasses.replace(made_closed(1), events=[HOSTILE])
         estimate = made_estimate([Parameter("other", HOSTILE, HOSTILE, 1.0)], [1.0], [0.1])
         identified = dataclasses.replace(made_identified(), estimates=[estimate], untold=[HOSTILE])
-        comparison = made_comparison(logs=[log, log], closed=closed, identified=identified, causes=[Cause(HOSTILE, HOSTILE, HOSTILE, 1.0)], untold=[HOSTILE],
-                                     profile={"scenario": {HOSTILE: HOSTILE}})
+        comparison = made_comparison(
+            logs=[log, log],
+            closed=closed,
+            identified=identified,
+            causes=[Cause(HOSTILE, HOSTILE, HOSTILE, 1.0)],
+            untold=[HOSTILE],
+            profile={"scenario": {HOSTILE: HOSTILE}},
+        )
         text, page, numbers, told = self.report(comparison)
         self.assertNotIn("<script", text)
         self.assertIn("&lt;script&gt;", text)
@@ -258,9 +242,11 @@ class ReportTest(unittest.TestCase):
         items = judge(demand, {name: most * 2 for name, most in demand.items()})
         log = made_log(suspicions=["line\nof two" + "x" * 500] * 20)
         closed = dataclasses.replace(made_closed(1), events=["robot: reflex"] * 50)
-        told = self.report(made_comparison(items=items, logs=[log] * 3, closed=closed, untold=[f"thing {i}" for i in range(60)]))[3]
+        told = self.report(made_comparison(items=items, logs=[log] * 3, closed=closed, untold=[f"thing {i}" for i in range(60)]))[
+            3
+        ]
         self.assertIn("more", told)
-        self.assertLessEqual(max(map(len, told.splitlines())), 160)
+        self.assertLessEqual(max(map(len, told.splitlines())), 240)
 
     def test_files_come_whole_or_not_at_all(self):
         self.report(made_comparison())
@@ -278,7 +264,9 @@ class ReportTest(unittest.TestCase):
         found = made_open(180_000)
         begin = time.process_time()
         with _plots.style():
-            sizes = [len(draw(found)) for draw in (_plots.against_velocity, _plots.against_position, _plots.over_time, _plots.spectrum)]
+            sizes = [
+                len(draw(found)) for draw in (_plots.against_velocity, _plots.against_position, _plots.over_time, _plots.spectrum)
+            ]
         self.assertLess(time.process_time() - begin, 12)
         self.assertLess(sum(sizes), 1_200_000)
 

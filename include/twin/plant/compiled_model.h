@@ -25,7 +25,7 @@ struct CompiledModel {
 
 /// Composes robot, meshes and scene and compiles them, or loads them from the cache, like
 /// MujocoPlant::Create(). Options that do not affect bodies are ignored (elasticity, load, noise,
-/// seed, perturbations).
+/// seed, perturbations, friction law, delay).
 /// @throws InputError and EnvironmentError as MujocoPlant::Create().
 [[nodiscard]] CompiledModel CompileModel(const MujocoPlantOptions& options);
 

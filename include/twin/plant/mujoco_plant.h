@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "twin/core/setting.h"
-#include "twin/plant/joint_figures.h"
+#include "twin/plant/arm_properties.h"
 #include "twin/plant/perturbation.h"
 #include "twin/plant/plant.h"
 #include "twin/plant/scene_object.h"
@@ -26,7 +26,7 @@ enum class FrictionProfile : std::uint8_t {
                ///< viscous friction
 };
 
-/// Relation of motor and link positions. Value and reason: src/plant/joint_parameters.h.
+/// Relation of motor and link positions.
 enum class ElasticityProfile : std::uint8_t {
   kRigid,   ///< theta = q, dtheta = dq
   kStatic,  ///< massless spring of gear and torque sensor:
@@ -63,7 +63,7 @@ struct MujocoPlantOptions {
   FrictionProfile friction = FrictionProfile::kResidual;
   bool armature = true;  ///< reflected rotor inertia of the drives
   ElasticityProfile elasticity = ElasticityProfile::kRigid;
-  JointFigures figures;  ///< in place of the profiles above, where they are given
+  ArmProperties arm;
   /// Factor on mass and inertia of every link, arm and hand, of the URDFs; in [0.5, 2].
   double mass_scale = 1;
   /// Roll and pitch of the base with its surroundings against gravity, rad: the base is rotated by
@@ -84,7 +84,8 @@ struct MujocoPlantOptions {
 /// tau_J is the torque behind the gear: the applied torque (and that of a closed brake) less the
 /// rotor's inertial torque, armature * ddq, of the last step; after Reset() the gravity torque. So
 /// it contains gravity, link inertia, link friction, contacts and external forces. theta follows
-/// from it by the elasticity profile. data() holds poses and contacts for the state in sensors().
+/// from it by the elasticity profile, and sensors().tau_J by the sensors' delay. data() holds poses
+/// and contacts for the state in sensors().
 ///
 /// Closed brakes hold each joint in place under any applied torque up to twice the URDF's effort
 /// limit (174 Nm, wrist 24 Nm; not public, a decision); tau_J is then the load of the links.

@@ -84,8 +84,8 @@ struct PlantSection {
   plant::FrictionProfile friction = plant::FrictionProfile::kResidual;
   bool armature = true;
   plant::ElasticityProfile elasticity = plant::ElasticityProfile::kRigid;
-  plant::JointFigures figures;  ///< in place of the three above, and others
-  double mass_scale = 1;  ///< of every link of arm and hand, in [0.5, 2]; not of the ideal plant
+  plant::ArmProperties arm;  ///< no law of friction, links or delay of the ideal plant
+  double mass_scale = 1;     ///< of every link of arm and hand, in [0.5, 2]; not of the ideal plant
   plant::BaseTilt base_tilt;  ///< as plant::MujocoPlantOptions::base_tilt; not of the ideal plant
   double noise_q = 0;         ///< rad, standard deviation, >= 0
   double noise_dq = 0;        ///< rad/s

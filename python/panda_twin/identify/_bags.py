@@ -12,9 +12,10 @@ import numpy as np
 import numpy.typing as npt
 
 from .._foreign_logs import import_rosbags
+from ..scenario import Scenario
 from . import _ros
 from ._cdr import Messages, layout
-from ._mapping import TEXTS, WIDTHS, shortened
+from ._mapping import FR3, TEXTS, WIDTHS, shortened
 from ._readers import Chunk
 
 Values = npt.NDArray[Any]
@@ -50,7 +51,9 @@ class _Topic:
         rows = len(at)
         for name, width in self.columns.items():
             if name not in values:
-                empty = np.full((rows, width) if width > 1 else rows, "" if name in TEXTS else np.nan, object if name in TEXTS else np.float64)
+                empty = np.full(
+                    (rows, width) if width > 1 else rows, "" if name in TEXTS else np.nan, object if name in TEXTS else np.float64
+                )
                 values[name] = empty
         if len(self.at):
             at = np.concatenate([self.at, at])
@@ -78,7 +81,7 @@ class Bag:
     kind = "rosbag2"
     has_time = True
     time_unit = 1e-9
-    scenario = None
+    scenario: Scenario | None = None
 
     def __init__(self, path: pathlib.Path) -> None:
         self.path = path
@@ -101,11 +104,14 @@ class Bag:
             store = rosbags.typesys.get_typestore(rosbags.typesys.Stores.ROS2_JAZZY)
             with rosbags.highlevel.AnyReader([self.path], default_typestore=store) as reader:
                 yield reader
-        except (OSError, MemoryError, _ros.WrongRobot, _Said):
+        except (OSError, _ros.WrongRobot, _Said):
             raise
         except Exception as error:  # the library's own, and what damaged bytes make of it
             text = " ".join(str(error).split())[:200] or type(error).__name__
-            raise ValueError(f"{self.path} is a damaged bag of ROS 2, such as one whose recording was cut ({text}); try ros2 bag reindex, or mcap recover") from None
+            raise ValueError(
+                f"{self.path} is a damaged bag of ROS 2, such as one whose recording was cut ({text}); try ros2 bag reindex, "
+                f"or mcap recover"
+            ) from None
 
     def _choose(self, reader: Any) -> list[_Topic]:
         """The topic of the arm's state first, then those that add columns."""
@@ -140,14 +146,17 @@ class Bag:
         self._note_sides(chosen)
         self.notes += [f"{text}; it is not read" for text in refused]
         if any("fr3" in prefix for prefix in self._robots):
-            self.notes.append("joints are called fr3_joint1 and so on: a Franka Research 3, whose kinematics are the Panda's but not its dynamics, friction and limits")
+            self.notes.append(f"joints are called fr3_joint1 and so on: {FR3}")
         return chosen
 
     def _note_sides(self, chosen: list[_Topic]) -> None:
         rows = [sum(one.msgcount for one in topic.connections) for topic in chosen]
         for topic, count in zip(chosen[1:], rows[1:]):
             if count < 0.9 * rows[0]:
-                self.notes.append(f"{', '.join(topic.columns)} of {topic.name}: {count} messages for {rows[0]} rows, so that each row has the nearest in time")
+                self.notes.append(
+                    f"{', '.join(topic.columns)} of {topic.name}: {count} messages for {rows[0]} rows, so that each row has "
+                    f"the nearest in time"
+                )
 
     def _topic(self, reader: Any, connections: list[Any]) -> _Topic | None:
         """A topic that says something of the arm; None for others."""
@@ -187,7 +196,9 @@ class Bag:
             return _ros.wrenches("O_F_ext_hat_K")
         if "stiffness_frame" in name or "K_F_ext" in name or frame.endswith("_K"):
             return _ros.wrenches("K_F_ext_hat_K")
-        self.notes.append(f"{name} is not read: its frame {frame or '(none)'} is neither the base nor the stiffness frame of the arm")
+        self.notes.append(
+            f"{name} is not read: its frame {frame or '(none)'} is neither the base nor the stiffness frame of the arm"
+        )
         return None
 
     def chunks(self, names: Sequence[str]) -> Iterator[Chunk]:
@@ -200,7 +211,9 @@ class Bag:
         """Rows with time and at least these columns."""
         self.reordered = 0
         with self._opened() as reader:
-            main, *others = (dataclasses.replace(topic, raw=[], times=[], at=np.zeros(0, np.int64), values={}) for topic in self._chosen)
+            main, *others = (
+                dataclasses.replace(topic, raw=[], times=[], at=np.zeros(0, np.int64), values={}) for topic in self._chosen
+            )
             others = [topic for topic in others if topic.columns.keys() & set(names)]
             by_topic = {topic.name: topic for topic in (main, *others)}
             for connection, time, data in reader.messages([one for one in reader.connections if one.topic in by_topic]):

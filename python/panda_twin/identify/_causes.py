@@ -19,7 +19,10 @@ from ._terms import ALL, Columns, Delay, Friction, Load, Parameter, Term
 Array: TypeAlias = npt.NDArray[np.float64]
 
 _SMALLEST = 2e-3  # Nm: what no torque sensor of the robot tells from nothing
-_LEAST_SHARE = 0.02  # of the squared residual: a cause of less is not named
+_MOST_SCALE = 0.6  # by which a mass or a sensor is off
+_BY_PROFILE = "robot: {{profile: profile.yaml}}  # by --identify {} --write profile.yaml"
+_LEAST_SHARE = 0.02  # of the squared residual that is left: a cause of less is not named
+_LEAST_OF_ALL = 0.002  # of the whole
 
 
 @dataclasses.dataclass(frozen=True)
@@ -40,20 +43,22 @@ class Cause:
 class _Candidate:
     term: Term
     tell: Callable[[Estimate], tuple[str, str]]
+    most: float = math.inf
+    """A value beyond it has another cause."""
 
 
 def _between(value: float, sd: float, unit: str, digits: int = 3) -> str:
-    return f"{value:+.{digits}g} +- {QUANTILE * sd:.1g} {unit}"
+    return f"{value:+.{digits}g} +- {QUANTILE * sd:.1g} {unit}" if np.isfinite(value) else f"an unknown number of {unit}"
 
 
-def _values(numbers: Array) -> str:
-    return "[" + ", ".join(f"{x:.4g}" for x in numbers) + "]"
+def _values(numbers: Array, unit: str) -> str:
+    return "[" + ", ".join(f"{x:.4g}{unit}" for x in numbers) + "]"
 
 
 def _friction(joint: int) -> _Candidate:
     def tell(e: Estimate) -> tuple[str, str]:
-        parts = [f"{_between(v, s, p.unit)} {p.text.partition(' of')[0]}" for v, s, p in zip(e.values, e.sd, e.parameters) if np.isfinite(v) and abs(v) > QUANTILE * s]
-        return f"joint {joint + 1} differs in friction by {', '.join(parts) or 'little'}", f"plant.friction of joint {joint + 1}: --identify friction --write profile.yaml"
+        parts = [f"{_between(v, s, p.unit)} {p.text.partition(' of joint')[0]}" for v, s, p in zip(e.values, e.sd, e.parameters) if np.isfinite(v) and abs(v) > QUANTILE * s]
+        return f"joint {joint + 1} differs in friction by {', '.join(parts) or 'little'}", _BY_PROFILE.format("friction")
 
     return _Candidate(Friction([joint]), tell)
 
@@ -62,15 +67,15 @@ def _scaled(name: str, columns: Array, key: str, words: str, remedy: Callable[[f
     def tell(e: Estimate) -> tuple[str, str]:
         return words.format(_between(100 * e.values[0], 100 * e.sd[0], "%")), remedy(e.values[0])
 
-    return _Candidate(Columns(name, columns[:, :, None], [Parameter(key, name, "", 1.0)]), tell)
+    return _Candidate(Columns(name, columns[:, :, None], [Parameter(key, name, "", 1.0)]), tell, _MOST_SCALE)
 
 
 def _tilt(rows: Rows, twin: TwinModel) -> _Candidate:
     def tell(e: Estimate) -> tuple[str, str]:
-        degrees = np.degrees(e.values)
+        degrees = np.degrees(np.nan_to_num(e.values))
         words = (f"gravity points {math.hypot(*degrees):.2f} deg away: the base is tilted by {_between(degrees[0], math.degrees(e.sd[0]), 'deg')} roll "
                  f"and {_between(degrees[1], math.degrees(e.sd[1]), 'deg')} pitch")
-        roll, pitch = twin.tilt + e.values
+        roll, pitch = twin.tilt + np.radians(degrees)
         return words, f"plant: {{base_tilt: {{roll: {roll:.4f} rad, pitch: {pitch:.4f} rad}}}}, or level the base"
 
     return _Candidate(Columns("gravity direction", rows.tilt, [Parameter(f"plant.base_tilt.{k}", k, "rad", 0.3) for k in ("roll", "pitch")]), tell)
@@ -78,7 +83,7 @@ def _tilt(rows: Rows, twin: TwinModel) -> _Candidate:
 
 def _delay(twin: TwinModel) -> _Candidate:
     def tell(e: Estimate) -> tuple[str, str]:
-        delay = twin.torque_delay + e.values[0]
+        delay = twin.torque_delay + float(np.nan_to_num(e.values[0]))
         if delay < 0:
             return f"torques come {_between(-1e3 * e.values[0], 1e3 * e.sd[0], 'ms')} earlier than the twin's", "check the stamps of q against those of tau_J"
         return f"torques come {_between(1e3 * e.values[0], 1e3 * e.sd[0], 'ms')} later than the twin's", f"plant: {{delay: {{tau_J: {1e3 * delay:.2f} ms}}}}"
@@ -90,7 +95,7 @@ def _load(twin: TwinModel) -> _Candidate:
     def tell(e: Estimate) -> tuple[str, str]:
         mass, centre, _ = body_of(np.nan_to_num(twin.load + np.nan_to_num(e.values)))
         words = f"the flange carries {_between(e.values[0], e.sd[0], 'kg')} that the twin does not"
-        return words, f"robot: {{load: {{mass: {max(mass, 0):.3f} kg, position: {_values(centre)} m}}}}: --identify load --write profile.yaml"
+        return words, f"robot: {{load: {{mass: {max(mass, 0):.3f} kg, position: {_values(centre, ' m')}}}}}"
 
     return _Candidate(Load(), tell)
 
@@ -114,12 +119,12 @@ def _candidates(rows: Rows, twin: TwinModel) -> list[_Candidate]:
     flange = rows.Y[:, :, 70:] @ twin.load
     all_bodies = sum(links) + hand + flange
     found = [_friction(joint) for joint in ALL]
-    found.append(_Candidate(Friction(), lambda _: ("the joints differ in friction", "plant.friction: --identify friction --write profile.yaml")))
+    found.append(_Candidate(Friction(), lambda _: ("the joints differ in friction", _BY_PROFILE.format("friction"))))
     found += [_tilt(rows, twin), _delay(twin), _load(twin), _hand(rows, twin),
               _scaled("mass of all links", sum(links) + hand, "plant.mass_scale", "all links are heavier by {}",
                       lambda x: f"plant: {{mass_scale: {1 + x:.3f}}}")]
     found += [_scaled(f"mass of link {i + 1}", links[i], f"link[{i}]", f"link {i + 1} is heavier by {{}}",
-                      lambda x: "plant.links: --identify inertia --write profile.yaml") for i in range(1, 7)]
+                      lambda x: _BY_PROFILE.format("inertia")) for i in range(1, 7)]
     for joint in ALL:
         own = np.zeros_like(all_bodies)
         own[:, joint] = all_bodies[:, joint]
@@ -127,13 +132,14 @@ def _candidates(rows: Rows, twin: TwinModel) -> list[_Candidate]:
                              lambda x: "calibrate the torque sensor, or check the unit of tau_J"))
     if twin.load.any():
         found.append(_scaled("mass of the load", flange, "load", "the load is heavier by {}",
-                             lambda x: f"robot.load: {{mass: {(1 + x) * twin.load[0]:.3f} kg}}"))
+                             lambda x: f"robot: {{load: {{mass: {(1 + x) * twin.load[0]:.3f} kg}}}}"))
     return found
 
 
 def residual_of(rows: Rows, twin: TwinModel) -> Array:
     """Measured torques less the twin's, (n, 7)."""
-    return rows.tau_at(twin.torque_delay) - rows.Y @ twin.parameters - rows.of_velocity(lambda dq: friction_torque(twin.friction, dq))
+    torque: Array = rows.tau_at(twin.torque_delay) - rows.Y @ twin.parameters - rows.of_velocity(lambda dq: friction_torque(twin.friction, dq))
+    return torque
 
 
 def _explain(rows: Rows, torque: Array, candidate: _Candidate, sigma: Array) -> tuple[float, float, Array, Estimate | None]:
@@ -142,6 +148,8 @@ def _explain(rows: Rows, torque: Array, candidate: _Candidate, sigma: Array) -> 
     if candidate.term.parameters:
         estimate = fit(rows, torque, [candidate.term])
         after = estimate.residual
+        if np.any(np.abs(np.nan_to_num(estimate.values)) > candidate.most):
+            return -math.inf, 0.0, torque, estimate
     else:
         estimate = None
         after = torque - candidate.term.at(rows, np.ones(1))[0]
@@ -178,11 +186,12 @@ def causes_of(rows: Rows, torque: Array, twin: TwinModel, most: int = 3) -> list
         tried = [_explain(rows, torque, candidate, sigma) for candidate in candidates]
         best = max(range(len(tried)), key=lambda i: tried[i][0])
         score, share, after, estimate = tried[best]
-        if score <= 0 or share < _LEAST_SHARE:
+        of_all = (float(np.sum(torque**2)) - float(np.sum(after**2))) / whole
+        if score <= 0 or share < _LEAST_SHARE or of_all < _LEAST_OF_ALL:
             break
         empty = Estimate([], np.zeros(0), np.zeros((0, 0)), np.zeros(0, bool), after)
         words, remedy = candidates[best].tell(estimate or empty)
-        found.append(Cause(candidates[best].term.name, words, remedy, (float(np.sum(torque**2)) - float(np.sum(after**2))) / whole))
+        found.append(Cause(candidates[best].term.name, words, remedy, of_all))
         torque = after
         del candidates[best]
     return found

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 _NUMBERS = {
-    "bool": "u1", "byte": "u1", "char": "u1", "octet": "u1", "uint8": "u1", "int8": "i1", "uint16": "u2", "int16": "i2", "uint32": "u4",
-    "int32": "i4", "uint64": "u8", "int64": "i8", "float32": "f4", "float64": "f8",
+    "bool": "u1", "byte": "u1", "char": "u1", "octet": "u1", "uint8": "u1", "int8": "i1", "uint16": "u2", "int16": "i2",
+    "uint32": "u4", "int32": "i4", "uint64": "u8", "int64": "i8", "float32": "f4", "float64": "f8",
 }  # fmt: skip
 
 
@@ -19,9 +19,9 @@ _NUMBERS = {
 class Layout:
     """Where the fields of a message are.
 
-    `numbers`: of each field of numbers, such as "header.stamp.sec", its offset, numpy type and how many. `texts`: of each field of
-    texts, those of the message from which the layout was made. `fixed`: the places of counts and texts, which must be the same in
-    another message for this to be its layout.
+    `numbers`: of each field of numbers, such as "header.stamp.sec", its offset, numpy type and how many. `texts`: of each field
+    of texts, those of the message from which the layout was made. `fixed`: the places of counts and texts, which must be the
+    same in another message for this to be its layout.
     """
 
     size: int
@@ -132,7 +132,7 @@ class Messages:
         sizes = np.fromiter(map(len, messages), np.intp, len(messages))
         for size in np.unique(sizes).tolist():
             places = np.flatnonzero(sizes == size)
-            rows = np.frombuffer(b"".join([messages[place] for place in places]), np.uint8).reshape(len(places), size)
+            rows = np.frombuffer(b"".join([messages[place] for place in places.tolist()]), np.uint8).reshape(len(places), size)
             known = self._layouts.setdefault(size, [])
             tried = 0
             while len(places):

@@ -10,6 +10,8 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from .. import model
+from .._results import RunResult
 from ..scenario import Scenario, ScenarioLike, as_scenario
 from ._causes import Cause, causes_of, residual_of
 from ._closed import closed_of, external_of
@@ -22,12 +24,13 @@ from ._recording import MappingLike, Recording
 from ._regression import fit
 from ._result import Closed, CommandDelay, Comparison, LogFacts, Open, rms
 from ._rows import MOST, Motion, Rows, joined, motions_of, rows_of
+from ._suspicions import suspicions
 from ._terms import Delay, Friction, Load
 
 Array: TypeAlias = npt.NDArray[np.float64]
-LogLike = str | os.PathLike[str] | Mapping[str, Any]
+LogLike = str | os.PathLike[str] | Mapping[str, Any] | RunResult
 
-_PANDA: Any = {"name": "panda"}
+_PANDA: Any = {"name": "panda", "robot": {"q_start": {"unit": "rad", "values": model.Q_READY.tolist()}}}
 _BESIDE = ("tau_J", "theta", "tau_J_d")
 _EXPLAINED = 0.95  # of the squared residual
 _LARGE = 0.1  # of the measured torques: a smaller residual is not due to columns that are others than said
@@ -46,7 +49,7 @@ def compare(
     Parameters
     ----------
     *logs
-        Of one robot with one load: a folder of results or run.mcap, libfranka's CSV, what panda_py's get_log() returned (.npz or the
+        Of one robot with one load: the result of `run`, a folder of results or run.mcap, libfranka's CSV, what panda_py's get_log() returned (.npz or the
         dict), a bag of ROS 2, or any CSV, Parquet or NPZ file with a `mapping`.
     against
         The twin: a scenario. By default that of the log, if it is the twin's own; else a Panda with its hand.
@@ -60,7 +63,7 @@ def compare(
     Returns
     -------
     Comparison
-        `passed` is the verdict; with `identify` that of the identified twin.
+        `passed` is the verdict on the twin as it is given; the identified one is beside it.
 
     Raises
     ------
@@ -75,7 +78,7 @@ def compare(
     if unknown:
         raise ValueError(f"{', '.join(sorted(unknown))} cannot be identified; choose of {', '.join(KINDS)}")
     wanted = read_demand(demand)
-    recordings = [Recording.open(log, mapping) for log in logs]
+    recordings = [Recording.open(log.folder if isinstance(log, RunResult) else log, mapping) for log in logs]
     for recording in recordings:
         if "q" not in recording.columns:
             raise ValueError(f"{recording.name}: it has no joint positions q, and nothing can be compared without them; map its columns")
@@ -86,7 +89,9 @@ def _twin_of(recordings: Sequence[Recording], against: ScenarioLike | None) -> S
     if against is not None:
         return as_scenario(against)
     own = recordings[0].scenario
-    return own if own is not None else Scenario(**_PANDA)
+    if own is None:
+        return Scenario(**_PANDA)
+    return own.replace({"backend": "mujoco"}) if own.to_dict().get("backend") == "fci" else own
 
 
 class _Comparing:
@@ -118,9 +123,7 @@ class _Comparing:
         after = residual_of(rows, after_twin) if rows and found else None
         closed, closed_after = self._closed(profile)
         external = external_of(self.recordings, self.scenario)
-        left = before if after is None else after
-        best = closed_after or closed
-        values = self._found(rows, left, best, external.torque_rms if external else None)
+        values = self._found(rows, before, closed, external.torque_rms if external else None)
         torques = Open(rows.t, rows.q, rows.dq, rows.tau_at(0.0), before, after) if rows is not None and before is not None else None
         return Comparison(
             [self._facts(r) for r in self.recordings], self.scenario, torques, causes, found,
@@ -129,7 +132,8 @@ class _Comparing:
 
     def _causes(self, rows: Rows, before: Array, motions: Sequence[Motion]) -> list[Cause]:
         causes = causes_of(rows, before, self.twin)
-        if sum(cause.share for cause in causes) > _EXPLAINED or np.sum(before**2) < _LARGE**2 * np.sum(rows.tau_at(0.0) ** 2):
+        beyond = np.any((rows.q < model.Q_MIN - 0.1) | (rows.q > model.Q_MAX + 0.1))
+        if sum(cause.share for cause in causes) > _EXPLAINED and not beyond or np.sum(before**2) < _LARGE**2 * np.sum(rows.tau_at(0.0) ** 2):
             return causes
         # Nothing physical makes a twin so wrong.
         mistake = mistake_of(motions, self.twin)
@@ -173,7 +177,7 @@ class _Comparing:
                 left = left[~same]
         if found.sum() < 100:
             return None
-        return CommandDelay(np.arange(len(found)), found / found.sum(), 0)
+        return CommandDelay(np.arange(len(found), dtype=float), found / found.sum(), 0)
 
     def _found(self, rows: Rows | None, torque: Array | None, closed: Closed | None, external: Array | None) -> dict[str, Array]:
         timing = [r.timing for r in self.recordings]
@@ -191,4 +195,4 @@ class _Comparing:
 
     def _facts(self, recording: Recording) -> LogFacts:
         return LogFacts(recording.name, recording.kind, recording.sha256, recording.rows, recording.seconds, recording.timing,
-                        recording.missing, recording.notes, [])  # fmt: skip
+                        recording.missing, recording.notes, suspicions(recording.head(20.0, *({"q", "dq", "tau_J", "q_d"} & recording.columns))))  # fmt: skip

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 import os
-import pathlib
 from collections.abc import Mapping
 from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
-import yaml
+
+from ._yaml import read_yaml
 
 Array: TypeAlias = npt.NDArray[np.float64]
 
@@ -82,10 +82,7 @@ def read_demand(source: str | os.PathLike[str] | Mapping[str, Any] | None) -> di
     where = "demand"
     if not isinstance(source, Mapping):
         where = str(source)
-        try:
-            source = yaml.safe_load(pathlib.Path(where).read_text(encoding="utf-8"))
-        except (yaml.YAMLError, UnicodeDecodeError) as error:
-            raise ValueError(f"{where} is not YAML: {' '.join(str(error).split())}") from None
+        source = read_yaml(where)
     if not isinstance(source, Mapping):
         raise ValueError(f"{where}: it holds no map; write demand: {{torque: 0.5 Nm}}")
     keys = source.get("demand", source)

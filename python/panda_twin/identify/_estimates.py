@@ -43,9 +43,15 @@ def _tables(estimate: Estimate) -> list[Html]:
     parts: list[Html] = []
     for group, places in groups.items():
         if group == "friction":
-            parts += [h3("Friction"), _by_joint(estimate, places), p("Where steepness and shift are empty, the step of Coulomb friction explains the log as well.", "soft")]
+            parts += [
+                h3("Friction"),
+                _by_joint(estimate, places),
+                p("Where steepness and shift are empty, the step of Coulomb friction explains the log as well.", "soft"),
+            ]
         elif group == "motor friction":
-            parts.append(folded("Friction of motors and gears that the robot does not make up for", [_by_joint(estimate, places)]))
+            parts.append(
+                folded("Friction of motors and gears that the robot does not make up for", [_by_joint(estimate, places)])
+            )
         elif group == "load":
             parts += [h3("Load on the flange, beside the hand"), _load(estimate, places)]
         elif group == "elasticity":
@@ -55,7 +61,9 @@ def _tables(estimate: Estimate) -> list[Html]:
         elif group == "delay":
             parts += [h3("Delay"), _list(estimate, places)]
         elif group == "inertia":
-            parts.append(folded(f"Base parameters of the links, as differences from the twin's ({len(places)})", [_list(estimate, places)]))
+            parts.append(
+                folded(f"Base parameters of the links, as differences from the twin's ({len(places)})", [_list(estimate, places)])
+            )
         else:
             parts.append(folded("Others", [_list(estimate, places)]))
     return parts
@@ -112,19 +120,25 @@ def _carried(of: Callable[[Array], Array], values: Array, covariance: Array) -> 
 
 def _load(estimate: Estimate, places: list[int]) -> Html:
     found, sd = _carried(_mass_centre_inertia, estimate.values[places], estimate.covariance[np.ix_(places, places)])
-    names = ["mass, kg", *(f"centre {axis}, m" for axis in "xyz"), *(f"inertia about the centre {axes}, kg m^2" for axes in ("xx", "xy", "xz", "yy", "yz", "zz"))]
+    names = [
+        "mass, kg",
+        *(f"centre {axis}, m" for axis in "xyz"),
+        *(f"inertia about the centre {axes}, kg m^2" for axes in ("xx", "xy", "xz", "yy", "yz", "zz")),
+    ]
     return table([], [[name, _cell(value, deviation)] for name, value, deviation in zip(names, found, sd)])
 
 
 def _stiffness(estimate: Estimate, places: list[int]) -> Html:
-    """Of compliance: its interval turned over, which is not symmetric, from the least to the largest."""
-    stiffness: list[str | Cell] = [_NOT_TOLD] * 7
-    offset: list[str | Cell] = [_NOT_TOLD] * 7
+    """Of compliance: its interval turned over, which is not symmetric."""
+    rows: dict[str, list[str | Cell]] = {
+        name: [_NOT_TOLD] * 7 for name in ("stiffness, Nm/rad", "from", "to", "offset of theta, mrad")
+    }
     for place in places:
-        key, value, sd = estimate.parameters[place].key, estimate.values[place], estimate.sd[place]
+        key, value, half = estimate.parameters[place].key, estimate.values[place], QUANTILE * estimate.sd[place]
+        joint = _joint_of(key)
         if key.startswith("theta"):
-            offset[_joint_of(key)] = _cell(1e3 * value, 1e3 * sd)
+            rows["offset of theta, mrad"][joint] = _cell(1e3 * value, 1e3 * estimate.sd[place])
         elif value > 0:
-            low, high = value - QUANTILE * sd, value + QUANTILE * sd
-            stiffness[_joint_of(key)] = f"{number(1 / value)} ({number(1 / high)} to {number(1 / low) if low > 0 else 'stiff'})"
-    return table([_HEADS], [["stiffness, Nm/rad", *stiffness], ["offset of theta, mrad", *offset]])
+            rows["stiffness, Nm/rad"][joint], rows["from"][joint] = number(1 / value), number(1 / (value + half))
+            rows["to"][joint] = number(1 / (value - half)) if value > half else "stiff"
+    return table([_HEADS], [[name, *cells] for name, cells in rows.items()])

@@ -12,9 +12,12 @@ Html = NewType("Html", str)
 
 # As src/report/templates/style.css, with colours for dark pages beside.
 STYLE = """
-:root{color-scheme:light dark;--ink:#222;--soft:#666;--rule:#ddd;--paper:#fff;--box:#f5f4f7;--title:#7a2a90;--good:#1b6e4f;--bad:#c0272d;--badly:#fbe3e5}
-@media(prefers-color-scheme:dark){:root{--ink:#dcdcde;--soft:#a0a0a6;--rule:#3c3c42;--paper:#1a1a1d;--box:#26262b;--title:#cf94e0;--good:#62c79f;--bad:#ff8087;--badly:#43262a}}
-body{font:15px/1.45 'DejaVu Sans',Verdana,sans-serif;color:var(--ink);background:var(--paper);max-width:1060px;margin:2em auto;padding:0 1em}
+:root{color-scheme:light dark;--ink:#222;--soft:#666;--rule:#ddd;--paper:#fff;--box:#f5f4f7;
+--title:#7a2a90;--good:#1b6e4f;--bad:#c0272d;--badly:#fbe3e5}
+@media(prefers-color-scheme:dark){:root{--ink:#dcdcde;--soft:#a0a0a6;--rule:#3c3c42;--paper:#1a1a1d;--box:#26262b;
+--title:#cf94e0;--good:#62c79f;--bad:#ff8087;--badly:#43262a}}
+body{font:15px/1.45 'DejaVu Sans',Verdana,sans-serif;color:var(--ink);background:var(--paper);
+max-width:1060px;margin:2em auto;padding:0 1em}
 h1{font-size:1.35em;margin:0 0 .2em}
 h2{font-size:1.1em;margin:2em 0 .5em}
 h3{font-size:1em;margin:1.5em 0 .3em}
@@ -31,13 +34,15 @@ th,td{padding:.15em .6em;text-align:right;border-bottom:1px solid var(--rule)}
 th{vertical-align:bottom;font-weight:normal;color:var(--soft)}
 th.over{text-align:center;color:var(--ink)}
 tr>:first-child,td.word,th.word{text-align:left}
-td.word{overflow-wrap:anywhere}
+td{white-space:nowrap}
+tr>td:first-child,td.word{white-space:normal;overflow-wrap:anywhere}
 th.first,td.first{border-left:1px solid var(--rule)}
 .met{color:var(--good)}
 .missed{color:var(--bad);font-weight:bold}
 td.missed{background:var(--badly)}
 .untold{color:var(--soft)}
-pre{font-size:.8em;overflow-x:auto;background:var(--box);padding:.5em .8em;margin:.2em 0 .8em;user-select:all;white-space:pre-wrap}
+pre{font-size:.8em;overflow-x:auto;background:var(--box);padding:.5em .8em;margin:.2em 0 .8em;
+user-select:all;white-space:pre-wrap}
 .wide{overflow-x:auto}
 .doubt{border-left:4px solid var(--bad);background:var(--badly);padding:.5em .8em;margin:.8em 0}
 .doubt p:last-child{margin:0}
@@ -124,5 +129,8 @@ def figure(svg: str, caption: str) -> Html:
 
 def document(title: str, parts: Sequence[Html]) -> str:
     """The whole page."""
-    return (f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-            f"<title>{escaped(title)}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n" + "\n".join(parts) + "\n</body>\n</html>\n")
+    return (
+        f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f"<title>{escaped(title)}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n" + "\n".join(parts) + "\n</body>\n</html>\n"
+    )

@@ -8,8 +8,8 @@ from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import qr
-from scipy.optimize import least_squares
+from scipy.linalg import qr  # type: ignore[import-untyped]
+from scipy.optimize import least_squares  # type: ignore[import-untyped]
 
 from ._causes import residual_of
 from ._model import STEEP, TwinModel, friction_torque
@@ -115,7 +115,7 @@ def _terms(rows: Rows, torque: Array, kinds: set[str], twin: TwinModel) -> list[
 def _torque_left(rows: Rows, kinds: set[str], twin: TwinModel) -> Array:
     """What is measured less what the twin says of all that is not identified."""
     parameters = twin.parameters - (np.concatenate([np.zeros(70), twin.load]) if "load" in kinds else 0)
-    torque = rows.tau_at(0.0 if "delay" in kinds else twin.torque_delay) - rows.Y @ parameters
+    torque: Array = rows.tau_at(0.0 if "delay" in kinds else twin.torque_delay) - rows.Y @ parameters
     return torque if "friction" in kinds else torque - rows.of_velocity(lambda dq: friction_torque(twin.friction, dq))
 
 

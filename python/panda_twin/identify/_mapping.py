@@ -6,12 +6,12 @@ import dataclasses
 import difflib
 import math
 import os
-import pathlib
 import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from .. import _core
+from ._yaml import read_yaml
 
 _TEXTS = ("fate", "robot_mode", "motion_generator_mode", "controller_mode", "errors", "reflex_reason", "violation")
 
@@ -27,6 +27,8 @@ TEXTS = frozenset(_TEXTS)
 
 MAY_BE_NAN = frozenset({"q_c", "dq_c", "tau_J_c", "O_T_EE_c", "O_dP_EE_c", "O_ddP_EE_c", "elbow_c", "delbow_c", "ddelbow_c"})
 """Columns that have no value where nothing was commanded."""
+
+FR3 = "the log is of a Franka Research 3, whose kinematics are the Panda's but not its dynamics, friction and limits"
 
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 
@@ -85,11 +87,12 @@ class Wanted:
 
 
 @dataclasses.dataclass(frozen=True)
-class Mapping_:
+class ColumnMap:
     """A column mapping, checked by itself; what the file has decides the rest."""
 
     name: str
     columns: dict[str, Wanted]
+    robot: str = "panda"
     separator: str | None = None
     decimal: str | None = None
 
@@ -99,13 +102,13 @@ def _nearest(name: str, names: Sequence[str]) -> str:
     return f"; did you mean {found[0]}?" if found else ""
 
 
-def load(mapping: str | os.PathLike[str] | Mapping[str, Any]) -> Mapping_:
+def load(mapping: str | os.PathLike[str] | Mapping[str, Any]) -> ColumnMap:
     """Read a mapping: a YAML file, or the same keys as a dict.
 
     Raises
     ------
     ImportError
-        Without pyyaml.
+        Without ruamel.yaml.
     OSError
         When there is no such file.
     ValueError
@@ -113,30 +116,24 @@ def load(mapping: str | os.PathLike[str] | Mapping[str, Any]) -> Mapping_:
     """
     if isinstance(mapping, Mapping):
         return _checked("the mapping", mapping)
-    try:
-        import yaml
-    except ImportError as error:
-        raise ImportError(f"a column mapping needs pyyaml ({error}): pip install 'panda-twin[identify]'") from None
-    path = pathlib.Path(mapping)
-    try:
-        keys = yaml.safe_load(path.read_text(encoding="utf-8-sig"))
-    except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
-        raise ValueError(f"{path} is not YAML: {' '.join(str(error).split())}") from None
-    except ValueError as error:  # such as a date that is none
-        raise ValueError(f"{path} is not YAML: {error}") from None
-    return _checked(str(path), keys)
+    return _checked(str(mapping), read_yaml(mapping))
 
 
-def _checked(name: str, keys: Any) -> Mapping_:
+def _checked(name: str, keys: Any) -> ColumnMap:
     known = ("columns", "robot", "message_id", "time", "separator", "decimal")
     if not isinstance(keys, Mapping) or not isinstance(keys.get("columns", {}), Mapping):
-        raise ValueError(f"{name} must have a section 'columns', such as columns: {{time: {{from: t, unit: s}}, q: q_, tau_J: tau_}}")
+        raise ValueError(
+            f"{name} must have a section 'columns', such as columns: {{time: {{from: t, unit: s}}, q: q_, tau_J: tau_}}"
+        )
     for key in keys:
         if key not in known:
             raise ValueError(f"{name}: {key} is not one of {', '.join(known)}{_nearest(str(key), known)}")
     robot = keys.get("robot", "panda")
     if robot not in ("panda", "fr3"):
-        raise ValueError(f"{name}: robot is {robot}; the twin is a Panda, and only logs of a panda (or of an fr3, with its own dynamics) can be compared")
+        raise ValueError(
+            f"{name}: robot is {robot}; the twin is a Panda, and only logs of a panda (or of an fr3, with its own dynamics) "
+            f"can be compared"
+        )
     for key in ("separator", "decimal"):
         if (value := keys.get(key)) is not None and not (isinstance(value, str) and len(value) == 1):
             raise ValueError(f"{name}: {key} is {value!r}; one character belongs there, such as ';'")
@@ -147,7 +144,7 @@ def _checked(name: str, keys: Any) -> Mapping_:
         raise ValueError(f"{name} names neither time nor message_id; one of them is needed, such as time: {{from: t, unit: s}}")
     if columns.keys() <= {"time", "message_id"}:
         raise ValueError(f"{name} names no column but the time; q and tau_J are the least")
-    return Mapping_(name, columns, keys.get("separator"), keys.get("decimal"))
+    return ColumnMap(name, columns, robot, keys.get("separator"), keys.get("decimal"))
 
 
 def _wanted(name: str, column: str, line: Any) -> Wanted:
@@ -166,7 +163,9 @@ def _wanted(name: str, column: str, line: Any) -> Wanted:
     units = TIME_UNITS if column == "time" else _UNITS.get(column, {"": 1.0})
     unit = line.get("unit")
     if unit is None and column == "time":
-        raise ValueError(f"{name}: time has no unit; say which of {', '.join(TIME_UNITS)} it is, such as time: {{from: t, unit: ms}}")
+        raise ValueError(
+            f"{name}: time has no unit; say which of {', '.join(TIME_UNITS)} it is, such as time: {{from: t, unit: ms}}"
+        )
     unit = next(iter(units)) if unit is None else str(unit)
     if unit not in units:
         allowed = f"one of {', '.join(units)}" if "" not in units else "none: it is in SI units"
@@ -174,18 +173,27 @@ def _wanted(name: str, column: str, line: Any) -> Wanted:
     return Wanted(source if one else tuple(source), unit)
 
 
-def automatic(names: Sequence[str], vectors: Mapping[str, int]) -> Mapping_ | None:
+def automatic(names: Sequence[str], vectors: Mapping[str, int]) -> ColumnMap | None:
     """The mapping of a table whose columns have the twin's own names, as `panda-twin export` writes them; else None."""
     columns = {}
     for column in WIDTHS:
         if column not in TEXTS and (column in vectors or column in names or _by_prefix(column, names, WIDTHS[column])):
             columns[column] = Wanted(column, next(iter(_UNITS.get(column, {"": 1.0}))))
-    for time, unit in (("at_ns", "ns"), ("time_ns", "ns"), ("time_us", "us"), ("time_ms", "ms"), ("time_s", "s"), ("t_ns", "ns"), ("t_ms", "ms"), ("t_s", "s")):
+    for time, unit in (
+        ("at_ns", "ns"),
+        ("time_ns", "ns"),
+        ("time_us", "us"),
+        ("time_ms", "ms"),
+        ("time_s", "s"),
+        ("t_ns", "ns"),
+        ("t_ms", "ms"),
+        ("t_s", "s"),
+    ):
         if time in names and "time" not in columns:
             columns["time"] = Wanted(time, unit)
     if "q" not in columns or not columns.keys() & {"time", "message_id"}:
         return None
-    return Mapping_("its own names", columns)
+    return ColumnMap("its own names", columns)
 
 
 def _by_prefix(prefix: str, names: Sequence[str], width: int) -> list[int]:
@@ -202,7 +210,7 @@ def _numbered(prefix: str, names: Sequence[str]) -> dict[int, int]:
     return {int(match[1]): place for place, name in enumerate(names) if (match := pattern.fullmatch(name))}
 
 
-def resolve(mapping: Mapping_, file: str, names: Sequence[str], vectors: Mapping[str, int]) -> dict[str, Column]:
+def resolve(mapping: ColumnMap, file: str, names: Sequence[str], vectors: Mapping[str, int]) -> dict[str, Column]:
     """Find a mapping's columns among those of a file.
 
     `vectors`: the columns of the file that hold more than one number in a row, with how many. Raises ValueError for what the file
@@ -231,7 +239,8 @@ def _resolved(mapping: str, column: str, wanted: Wanted, file: str, names: Seque
         some = _numbered(wanted.source, names)
         if some:
             raise ValueError(_wrong_width(f"{file}: {wanted.source}..., which {mapping} names for {column},", len(some), width))
-        raise ValueError(f"{file} has no column {wanted.source}, nor {width} that begin so and end with a number, which {mapping} names for {column}"
+        raise ValueError(f"{file} has no column {wanted.source}, nor {width} that begin so and end with a number, which "
+                         f"{mapping} names for {column}"
                          f"{_nearest(wanted.source, names)}; it has {shortened(names)}")  # fmt: skip
     return Column(tuple(found), factor)
 
@@ -242,9 +251,15 @@ def _place(mapping: str, column: str, source: str | int, file: str, names: Seque
             raise ValueError(f"{file} has {len(names)} columns; {mapping} names number {source} for {column}, counted from 0")
         return source
     if source not in names:
-        raise ValueError(f"{file} has no column {source}, which {mapping} names for {column}{_nearest(source, names)}; it has {shortened(names)}")
+        raise ValueError(
+            f"{file} has no column {source}, which {mapping} names for {column}{_nearest(source, names)}; it has "
+            f"{shortened(names)}"
+        )
     if names.count(source) > 1:
-        raise ValueError(f"{file} has {names.count(source)} columns called {source}, which {mapping} names for {column}; name it by its number, counted from 0")
+        raise ValueError(
+            f"{file} has {names.count(source)} columns called {source}, which {mapping} names for {column}; name it by its "
+            f"number, counted from 0"
+        )
     return names.index(source)
 
 

@@ -30,12 +30,13 @@ _STEEL = 7850.0  # kg/m^3: a load without inertia is a ball of it
 def friction_torque(law: Array, dq: Array) -> Array:
     """Friction that opposes the motion: `law` (5, 7) as `FRICTION`, dq (n, 7) rad/s; (n, 7) Nm."""
     viscous, coulomb, offset, steepness, shift = law
-    return viscous * dq + coulomb * (_step(steepness * (dq + shift)) - _step(steepness * shift)) + offset
+    torque: Array = viscous * dq + coulomb * (_step(steepness * (dq + shift)) - _step(steepness * shift)) + offset
+    return torque
 
 
 def _step(x: Array) -> Array:
     """2 / (1 + exp(-x)) without its overflow: from 0 to 2."""
-    return 1 + np.tanh(x / 2)
+    return np.asarray(1 + np.tanh(x / 2))
 
 
 def body_parameters(mass: float, centre: npt.ArrayLike, inertia: npt.ArrayLike) -> Array:
@@ -119,8 +120,8 @@ class TwinModel:
         plant, robot = keys.get("plant", {}), keys.get("robot", {})
         scale = float(plant.get("mass_scale", 1))
         arm = np.asarray(_core.model_parameters(True))
-        if "links" in plant:
-            arm = np.concatenate([_load(link) for link in plant["links"]])
+        if links := plant.get("links"):
+            arm = np.concatenate([_load(link) for link in links])
         hand = body_parameters(**model.HAND) if robot.get("hand", "franka_hand") == "franka_hand" else np.zeros(10)
         tilt = plant.get("base_tilt", {})
         return cls(scale * arm, scale * hand, _load_of(robot),

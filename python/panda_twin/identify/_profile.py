@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import datetime
 import getpass
-import json
 import os
 import pathlib
 import tempfile
@@ -17,6 +16,7 @@ import numpy.typing as npt
 from ._model import FRICTION, body_of
 from ._result import CommandDelay
 from ._rows import noise_of
+from ._yaml import yaml_text
 
 if TYPE_CHECKING:
     from ._identify import Identified
@@ -123,7 +123,7 @@ def write_profile(profile: dict[str, Any], file: str | os.PathLike[str]) -> path
     """Write a profile, whole or not at all: YAML whose innermost maps and lists are in one line."""
     path = pathlib.Path(file)
     path.parent.mkdir(parents=True, exist_ok=True)
-    text = "# A robot's profile: a scenario names it by robot: {profile: " + path.name + "}.\n" + _yaml(profile, 0)
+    text = "# A robot's profile: a scenario names it by robot: {profile: " + path.name + "}.\n" + yaml_text(profile)
     descriptor, partial = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
     try:
         with os.fdopen(descriptor, "w", encoding="utf-8") as out:
@@ -133,15 +133,3 @@ def write_profile(profile: dict[str, Any], file: str | os.PathLike[str]) -> path
         os.unlink(partial)
         raise
     return path
-
-
-def _yaml(value: dict[str, Any], indent: int) -> str:
-    lines = []
-    for key, one in value.items():
-        if isinstance(one, dict) and any(isinstance(inner, (dict, list)) for inner in one.values()) and len(json.dumps(one)) > 100:
-            lines.append(" " * indent + f"{key}:\n" + _yaml(one, indent + 2))
-        elif isinstance(one, list) and one and isinstance(one[0], (list, dict)):
-            lines.append(" " * indent + f"{key}:\n" + "".join(" " * (indent + 2) + f"- {json.dumps(inner)}\n" for inner in one))
-        else:
-            lines.append(" " * indent + f"{key}: {json.dumps(one)}\n")
-    return "".join(lines)

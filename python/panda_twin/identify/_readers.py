@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import pathlib
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Protocol
 
@@ -13,12 +14,15 @@ import numpy.typing as npt
 from .._foreign_logs import _LIBFRANKA_COMMANDS
 from .._log import Log
 from ..scenario import Scenario
-from ._mapping import TEXTS, WIDTHS, Column, Mapping_, resolve, shortened
+from ._mapping import FR3, TEXTS, WIDTHS, Column, ColumnMap, resolve, shortened
 from ._tables import Table
 
 Values = npt.NDArray[Any]
 
 _SECOND = 10**9
+_OTHER_ROBOTS = re.compile(
+    r"(?<![a-z])(iiwa|lbr|kuka|ur(3|5|10)e?|xarm\d?|kinova|gen3|sawyer|baxter|yumi)(?![a-z])", re.IGNORECASE
+)
 _LIBFRANKA = {**_LIBFRANKA_COMMANDS, "cmd.tau_J_d": "tau_J_c"}
 _COMMANDS = {"q_c": "q_c", "dq_c": "dq_c", "tau_J_c": "tau_J_d"}  # column: of our table of ticks
 
@@ -39,7 +43,11 @@ class Source(Protocol):
     has_time: bool
     time_unit: float  # s
     notes: list[str]
-    scenario: Scenario | None
+
+    @property
+    def scenario(self) -> Scenario | None:
+        """Of a log of the twin."""
+        ...
 
     def chunks(self, names: Sequence[str]) -> Iterator[Chunk]:
         """Yield these columns, of which "time" is one, chunk by chunk."""
@@ -49,7 +57,7 @@ class Source(Protocol):
 class TableSource:
     """A table of which one knows where the canonical columns are."""
 
-    scenario = None
+    scenario: Scenario | None = None
 
     def __init__(self, kind: str, table: Table, columns: Mapping[str, Column], row: str = "row") -> None:
         self.kind = kind
@@ -89,12 +97,19 @@ class TableSource:
         return values.reshape(-1) if WIDTHS[name] == 1 else values.reshape(-1, WIDTHS[name])
 
 
-def mapped(table: Table, mapping: Mapping_) -> TableSource:
+def mapped(table: Table, mapping: ColumnMap) -> TableSource:
     """A table by a mapping."""
     columns = resolve(mapping, table.file, table.names, table.vectors)
     for name in columns:
         if name in TEXTS:
-            raise ValueError(f"{table.file}: {name} is of texts, which only the twin's own logs have; leave it out of the mapping")
+            raise ValueError(
+                f"{table.file}: {name} is of texts, which only the twin's own logs have; leave it out of the mapping"
+            )
+    used = [table.names[place] for column in columns.values() for place in column.places]
+    if other := next((name for name in used if _OTHER_ROBOTS.search(name)), None):
+        raise ValueError(f"{table.file}: column {other} is named after another robot; only logs of a Panda can be compared")
+    if mapping.robot == "fr3" or any("fr3" in name.lower() for name in used):
+        table.notes.append(FR3)
     return TableSource("table", table, columns)
 
 
@@ -106,7 +121,7 @@ def is_libfranka(table: Table) -> bool:
 def libfranka(table: Table) -> TableSource:
     """The CSV of libfranka's logToCSV(), whose time is the robot's, in ms.
 
-    A row has a state and the command that was sent before it was received, so that the command is the newest that the state may show.
+    A row has a state and the command that was sent before it came, so that the command is the newest that the state may show.
     """
     places: dict[str, list[int]] = {}
     for place, name in enumerate(table.names):
@@ -117,14 +132,20 @@ def libfranka(table: Table) -> TableSource:
         if column == name or column not in WIDTHS:
             raise ValueError(f"{table.file}: column {name} is not one of libfranka's logToCSV(); give a column mapping")
         if len(found) != WIDTHS[column]:
-            raise ValueError(f"{table.file}: {name} has {len(found)} of {WIDTHS[column]} columns; write the log anew with logToCSV()")
+            raise ValueError(
+                f"{table.file}: {name} has {len(found)} of {WIDTHS[column]} columns; write the log anew with logToCSV()"
+            )
         columns[column] = Column(tuple(found), 1.0)
     return TableSource("libfranka", table, columns)
 
 
 def is_panda_py(table: Table) -> bool:
     """Whether arrays are those of panda_py's get_log(): "time" in whole ms beside columns of the robot's state."""
-    return "time" in table.names and "q" in table.names and {"tau_J", "O_T_EE", "control_command_success_rate", "tau_ext_hat_filtered"} & set(table.names) != set()
+    return (
+        "time" in table.names
+        and "q" in table.names
+        and {"tau_J", "O_T_EE", "control_command_success_rate", "tau_ext_hat_filtered"} & set(table.names) != set()
+    )
 
 
 def panda_py(table: Table) -> TableSource:
@@ -133,7 +154,9 @@ def panda_py(table: Table) -> TableSource:
     for place, name in enumerate(table.names):
         if name in WIDTHS and name not in TEXTS and name != "message_id":
             if (has := table.vectors.get(name, 1)) != WIDTHS[name]:
-                raise ValueError(f"{table.file}: {name} has {has} of {WIDTHS[name]} numbers in a row; give what panda_py's get_log() returns")
+                raise ValueError(
+                    f"{table.file}: {name} has {has} of {WIDTHS[name]} numbers in a row; give what panda_py's get_log() returns"
+                )
             columns[name] = Column((place,), 1.0)
     first = next(table.blocks([columns["message_id"].places[0]]), None)
     if first is None:
@@ -178,7 +201,7 @@ class OwnLog:
 
     def _interval(self) -> int:
         """Time of which about 16 MB of the file are, ns."""
-        size = max(1, self._log._source.file.bytes_in(self._from, self._until))  # type: ignore[attr-defined]
+        size = max(1, int(self._log._source.file.bytes_in(self._from, self._until)))  # type: ignore[attr-defined]
         return max(_SECOND, (self._until - self._from) * (16 << 20) // size)
 
     def _ticks(self, names: list[str]) -> Iterator[Values]:
@@ -206,9 +229,13 @@ class OwnLog:
 
     def _commands(self, names: Sequence[str], ids: Values, begin: int, end: int) -> dict[str, Values]:
         """Of each cycle the command that answers the state before it; NaN where none was written."""
-        ticks = self._log._source.read("ticks", [*(_COMMANDS[name] for name in names), "action", "command_message_id"], begin - _SECOND, end + _SECOND)
+        ticks = self._log._source.read(
+            "ticks", [*(_COMMANDS[name] for name in names), "action", "command_message_id"], begin - _SECOND, end + _SECOND
+        )
         texts = ticks.texts("action")
-        wrote = np.isin(ticks.array("action"), [texts.index(text) for text in ("written", "finished", "limited") if text in texts])
+        wrote = np.isin(
+            ticks.array("action"), [texts.index(text) for text in ("written", "finished", "limited") if text in texts]
+        )
         answered = ticks.array("command_message_id")
         wrote &= answered > 0
         order = np.flatnonzero(wrote)[np.argsort(answered[wrote], kind="stable")]

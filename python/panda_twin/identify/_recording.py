@@ -13,11 +13,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from .. import _core
 from ..scenario import Scenario
-from ._mapping import MAY_BE_NAN, TEXTS, WIDTHS, automatic, load, missing, shortened
-from ._readers import Chunk, OwnLog, Source, is_libfranka, is_panda_py, libfranka, mapped, panda_py
-from ._tables import ArraysTable, CsvTable, NpzTable, ParquetTable, Table
+from ._formats import of_arrays, of_file
+from ._mapping import MAY_BE_NAN, TEXTS, load, missing, shortened
+from ._readers import Chunk, Source
 from ._timing import Intervals, Runs, Success, Timing
 
 Values = npt.NDArray[Any]
@@ -62,8 +61,8 @@ class Recording:
     seconds : float
         From the first row to the last.
     columns : frozenset of str
-        Canonical columns: those of the table `cycles` of our logs, and the commands q_c, dq_c, tau_J_c. A row's command is the newest
-        that its state can show: the answer to the state before.
+        Canonical columns: those of the table `cycles` of our logs, and the commands q_c, dq_c, tau_J_c. A row's command is the
+        newest that its state can show: the answer to the state before.
     by_id : bool
         Times are the robot's own ms (message_id), not stamps.
     missing : list of (str, str)
@@ -118,11 +117,9 @@ class Recording:
         """
         wanted = None if mapping is None else load(mapping)
         if isinstance(path, Mapping):
-            arrays = ArraysTable(path)
-            source = mapped(arrays, wanted) if wanted else panda_py(arrays) if is_panda_py(arrays) else _by_own_names(arrays)
-            return cls(source, None, arrays.file)
+            return cls(of_arrays(path, wanted), None, "the dict")
         file = pathlib.Path(path)
-        return cls(_opened(file, wanted), file, str(file))
+        return cls(of_file(file, wanted), file, str(file))
 
     @property
     def name(self) -> str:
@@ -204,7 +201,10 @@ class Recording:
             return
         bad = np.argwhere(~np.isfinite(values))[0]
         where = f"{name}[{bad[1]}]" if values.ndim == 2 else name
-        raise ValueError(f"{self._name}: {where} is {values[tuple(bad)]} in row {chunk.first_row + bad[0]}; remove the row, or leave {name} out of the comparison")
+        raise ValueError(
+            f"{self._name}: {where} is {values[tuple(bad)]} in row {chunk.first_row + bad[0]}; remove the row, or leave {name} "
+            f"out of the comparison"
+        )
 
     def _scan(self) -> None:
         source = self._source
@@ -233,7 +233,10 @@ class Recording:
         if self.rows < 2:
             raise ValueError(f"{self._name} has {self.rows} rows at different times; at least two are needed")
         if stamps and not stamps.agree(self.seconds):
-            self._by_stamps(f"message_id rises by one in {stamps.seconds / self.seconds:.3g} ms of the stamps, so it does not count the robot's ms; the stamps count")
+            self._by_stamps(
+                f"message_id rises by one in {stamps.seconds / self.seconds:.3g} ms of the stamps, so it does not count the "
+                f"robot's ms; the stamps count"
+            )
             return
         self.columns = source.columns - {name for name, there in used.items() if not there}
         self._judge(intervals, runs, success, stamps, clock.repeated)
@@ -247,21 +250,29 @@ class Recording:
         period = intervals.median()
         if not _PERIODS[0] <= period <= _PERIODS[1]:
             unit = "message_id" if self.by_id else f"time read with a unit of {self._source.time_unit:g} s"
-            factor = next((f"; it looks as if the unit were {f * self._source.time_unit:g} s" for f in (1e-3, 1e-6, 1e-9, 1e3, 1e6, 1e9)
+            factor = next((f"; it looks as if the unit were "
+                           f"{f * self._source.time_unit:g} s" for f in (1e-3, 1e-6, 1e-9, 1e3, 1e6, 1e9)
                            if _PERIODS[0] <= period * f <= _PERIODS[1] and not self.by_id), "")  # fmt: skip
-            raise ValueError(f"{self._name}: {unit} rises by {period:g} s from row to row, and a robot's log has 0.1 ms to 0.5 s{factor}; name the unit in the mapping")
+            raise ValueError(
+                f"{self._name}: {unit} rises by {period:g} s from row to row, and a robot's log has 0.1 ms to 0.5 s{factor}; "
+                f"name the unit in the mapping"
+            )
         cycle = 1e-3 if self.by_id else period
         late = stamps.intervals.late(stamps.intervals.median()) if stamps else intervals.late(cycle)
         self.timing = Timing(
             by="message_id" if self.by_id else "time", median=period * 1e3, mean=intervals.mean * 1e3, sd=intervals.sd * 1e3,
-            longest=intervals.longest * 1e3, longest_at=intervals.longest_at, lost=intervals.lost(cycle), late=late, repeated=repeated,
-            sorted=not getattr(self._source, "reordered", 0), intervals=intervals.histogram(period), held=runs.counts, success=success.histogram(),
+            longest=intervals.longest * 1e3, longest_at=intervals.longest_at, lost=intervals.lost(cycle), late=late,
+            repeated=repeated, sorted=not getattr(self._source, "reordered", 0), intervals=intervals.histogram(period),
+            held=runs.counts, success=success.histogram(),
         )  # fmt: skip
         timing = self.timing
         if repeated:
             self.notes.append(f"{repeated} rows have the time of the row before and are left out")
         if timing.lost:
-            self.notes.append(f"{timing.lost} cycles are not in the log, the longest gap is {timing.longest:.1f} ms at {timing.longest_at:.3f} s")
+            self.notes.append(
+                f"{timing.lost} cycles are not in the log, the longest gap is {timing.longest:.1f} ms at "
+                f"{timing.longest_at:.3f} s"
+            )
         if timing.late:
             self.notes.append(f"{timing.late} rows came late, by more than a quarter of the period of {timing.median:.3f} ms")
 
@@ -290,9 +301,10 @@ class _Clock:
         if np.any(steps < 0):
             row = int(np.flatnonzero(steps < 0)[0])
             before = float(t[row - 1]) if row else float(self._last)
-            raise _Unsorted(f"{self._name}: {self._key} goes back in row {chunk.first_row + row}, from {before:.6f} to {t[row]:.6f} s after the first; "
+            raise _Unsorted(f"{self._name}: {self._key} goes back in row {chunk.first_row + row}, from {before:.6f} to "
+                            f"{t[row]:.6f} s after the first; "
                             "sort the rows by time, or cut the log where it begins anew")  # fmt: skip
-        keep = steps > 0
+        keep = np.asarray(steps > 0)
         self.repeated += int(len(keep) - keep.sum())
         if len(t):
             self._last = float(t[-1])
@@ -329,85 +341,14 @@ def _finished(name: str, values: Values) -> Values:
     """Values as a block has them. Joint positions that are all zero were not commanded: joint 4 cannot be there."""
     if name == "message_id":
         return np.rint(values).astype(np.int64) if values.dtype.kind == "f" else values.astype(np.int64)
-    if name == "q_c" and (none := ~values.any(axis=1)).any():
-        return np.where(none[:, None], np.nan, values)
+    if name == "q_c":
+        return np.where(np.any(values != 0, axis=1, keepdims=True), values, np.nan)
     return values
 
 
 def _joined(parts: list[tuple[Floats, dict[str, Values]]]) -> tuple[Floats, dict[str, Values]]:
     if len(parts) == 1:
         return parts[0]
-    return np.concatenate([t for t, _ in parts]), {name: np.concatenate([columns[name] for _, columns in parts]) for name in parts[0][1]}
-
-
-def _by_own_names(table: Table) -> Source:
-    """A table whose columns are called as ours. Raises ValueError saying how to map others."""
-    names = automatic(table.names, table.vectors)
-    if names is None:
-        raise ValueError(f"{table.file} does not have the twin's names for its columns ({shortened(table.names)}); give a column mapping, such as "
-                         "columns: {time: {from: t, unit: s}, q: {from: q_, unit: rad}, tau_J: tau_}")  # fmt: skip
-    return mapped(table, names)
-
-
-_OTHERS = (  # begin of a file: what it is, what to do
-    (b"\x89PNG", "a picture"), (b"\xff\xd8\xff", "a picture"), (b"GIF8", "a picture"), (b"%PDF", "a PDF document"), (b"\x7fELF", "a program"),
-    (b"\x89HDF", "an HDF5 file; save its arrays by numpy.savez"), (b"#ROSBAG V1", "a bag of ROS 1; convert it by rosbags-convert"),
-    (b"#ROSBAG V2", "a bag of ROS 1; convert it by rosbags-convert"), (b"\x1f\x8b", "compressed (gzip); unpack it"),
-    (b"\x28\xb5\x2f\xfd", "compressed (zstd); unpack it"), (b"BZh", "compressed (bzip2); unpack it"), (b"\xfd7zXZ", "compressed (xz); unpack it"),
-    (b"\x93NUMPY", "one array; save all arrays in one file by numpy.savez"), (b"MATLAB", "a file of MATLAB; save its arrays by numpy.savez"),
-)  # fmt: skip
-_PICKLES = (".pkl", ".pickle", ".joblib", ".pt")
-
-
-def _opened(path: pathlib.Path, mapping: Any) -> Source:
-    """Choose the reader by what a file begins with."""
-    if path.is_dir():
-        return _of_folder(path, mapping)
-    with open(path, "rb") as file:
-        begin = file.read(64)
-    if path.suffix.lower() in _PICKLES or begin[:1] == b"\x80" and begin[1:2] in (b"\2", b"\3", b"\4", b"\5"):
-        raise ValueError(f"{path} is a pickle, and reading one runs whatever code it holds; save the log by numpy.savez('log.npz', **panda.get_log())")
-    if not begin:
-        raise ValueError(f"{path} is empty")
-    if begin.startswith(b"\x89MCAP0\r\n"):
-        if b"ros2" in begin[8:40]:
-            return _bag(path, mapping)
-        return _own(path, mapping)
-    if begin.startswith(b"SQLite format 3\0"):
-        return _bag(path, mapping)
-    if begin.startswith(b"PAR1"):
-        parquet = ParquetTable(path)
-        return mapped(parquet, mapping) if mapping else _by_own_names(parquet)
-    if begin.startswith(b"PK\3\4"):
-        arrays = NpzTable(path)
-        return mapped(arrays, mapping) if mapping else panda_py(arrays) if is_panda_py(arrays) else _by_own_names(arrays)
-    for magic, what in _OTHERS:
-        if begin.startswith(magic):
-            raise ValueError(f"{path} is no log but {what}")
-    table = CsvTable(path, mapping.separator, mapping.decimal) if mapping else CsvTable(path)
-    if mapping:
-        return mapped(table, mapping)
-    return libfranka(table) if is_libfranka(table) else _by_own_names(table)
-
-
-def _of_folder(path: pathlib.Path, mapping: Any) -> Source:
-    if (path / "metadata.yaml").exists() or any(path.glob("*.db3")):
-        return _bag(path, mapping)
-    try:
-        return _own(_core.find_log(path), mapping)
-    except ValueError as error:
-        raise ValueError(f"{path} has neither a log of the twin (run.mcap) nor a bag of ROS 2 (metadata.yaml): {error}") from None
-
-
-def _own(path: pathlib.Path, mapping: Any) -> Source:
-    if mapping:
-        raise ValueError(f"{path} is a log of the twin, whose columns are known; leave the column mapping out")
-    return OwnLog(path)
-
-
-def _bag(path: pathlib.Path, mapping: Any) -> Source:
-    from ._bags import Bag
-
-    if mapping:
-        raise ValueError(f"{path} is a bag of ROS 2, whose columns are known; leave the column mapping out")
-    return Bag(path)
+    return np.concatenate([t for t, _ in parts]), {
+        name: np.concatenate([columns[name] for _, columns in parts]) for name in parts[0][1]
+    }

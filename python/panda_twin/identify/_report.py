@@ -7,13 +7,12 @@ import os
 import pathlib
 from typing import TYPE_CHECKING
 
-from ._page import page
-from ._summary import headline, in_detail, number, summary, untold_of, values_after, values_before
+from ._summary import headline, in_detail, number, percent, summary, untold_of, values_after, values_before
 
 if TYPE_CHECKING:
     from ._result import Comparison
 
-_WIDTH = 160
+_WIDTH = 240
 
 
 def write_report(comparison: Comparison, folder: pathlib.Path) -> pathlib.Path:
@@ -29,7 +28,12 @@ def write_report(comparison: Comparison, folder: pathlib.Path) -> pathlib.Path:
     OSError
         If the folder cannot be written; what was there before is left as it was.
     """
-    texts = {"summary.json": json.dumps(summary(comparison), indent=1, ensure_ascii=False, allow_nan=False) + "\n", "report.html": page(comparison)}
+    from ._page import page  # with matplotlib, which a comparison without a report needs not
+
+    texts = {
+        "summary.json": json.dumps(summary(comparison), indent=1, ensure_ascii=False, allow_nan=False) + "\n",
+        "report.html": page(comparison),
+    }
     folder.mkdir(parents=True, exist_ok=True)
     parts = {name: folder / f".{name}.{os.getpid()}" for name in texts}
     try:
@@ -51,7 +55,7 @@ def tell(comparison: Comparison) -> str:
     lines += _some("Not met:", [item.words for item in comparison.items if item.is_met is False], 9)
     for place, cause in enumerate(comparison.causes[:3], 1):
         lines += ["Largest causes of the torque residual:"] if place == 1 else []
-        lines += [f"  {place}. {cause.name}, {100 * cause.share:.0f} %: {cause.words}", f"     {cause.remedy}"]
+        lines += [f"  {place}. {cause.name}, {percent(cause.share)}: {cause.words}", f"     {cause.remedy}"]
     lines += _residuals(comparison)
     if comparison.closed is not None:
         lines += _some("Under the same commands:", [*_difference(comparison), *comparison.closed.events], 4)
@@ -79,8 +83,11 @@ def _residuals(comparison: Comparison) -> list[str]:
 def _difference(comparison: Comparison) -> list[str]:
     closed, after = comparison.closed, comparison.closed_after
     assert closed is not None
-    lines = [f"{name}: positions differ by {', '.join(number(1e3 * value) for value in found.position_rms)} mrad (root of the mean square)"
-             for name, found in (("twin as given", closed), ("identified", after)) if found is not None]
+    lines = [
+        f"{name}: positions differ by {', '.join(number(1e3 * x) for x in found.position_rms)} mrad (root of the mean square)"
+        for name, found in (("twin as given", closed), ("identified", after))
+        if found is not None
+    ]
     return lines if closed.first_difference is not None else ["every cycle is equal to the last bit", *lines[1:]]
 
 

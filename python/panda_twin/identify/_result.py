@@ -21,7 +21,7 @@ Array: TypeAlias = npt.NDArray[np.float64]
 
 def rms(values: Array) -> Array:
     """Root of the mean square of each column."""
-    return np.sqrt(np.mean(values**2, axis=0))
+    return np.asarray(np.sqrt(np.mean(values**2, axis=0)))
 
 
 @dataclasses.dataclass(frozen=True)

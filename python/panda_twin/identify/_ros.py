@@ -29,7 +29,12 @@ _ROLES = {  # columns of position, velocity, effort of joint states by their top
     "motor": ("theta", "dtheta", ""),
     "external": ("", "", "tau_ext_hat_filtered"),
 }
-_STATE_JOINTS = {"measured_joint_state": "measured", "desired_joint_state": "desired", "measured_joint_motor_state": "motor", "tau_ext_hat_filtered": "external"}
+_STATE_JOINTS = {
+    "measured_joint_state": "measured",
+    "desired_joint_state": "desired",
+    "measured_joint_motor_state": "motor",
+    "tau_ext_hat_filtered": "external",
+}
 _BY_LOWER = {name.lower(): name for name in WIDTHS}
 
 
@@ -63,7 +68,9 @@ def arm_of(names: Sequence[str]) -> tuple[list[int], str]:
 
 def _pose(layout: Layout, rows: Rows, field: str) -> Values | None:
     """A pose as 16 numbers, column by column."""
-    parts = [layout.read(rows, f"{field}.position.{axis}") for axis in "xyz"] + [layout.read(rows, f"{field}.orientation.{axis}") for axis in "xyzw"]
+    parts = [layout.read(rows, f"{field}.position.{axis}") for axis in "xyz"] + [
+        layout.read(rows, f"{field}.orientation.{axis}") for axis in "xyzw"
+    ]
     if any(part is None for part in parts):
         return None
     p = np.concatenate([part for part in parts if part is not None], axis=1)
@@ -134,8 +141,9 @@ def franka_state(layout: Layout, rows: Rows) -> dict[str, Values]:
         if values is None and width == 16:
             values = _pose(layout, rows, f"{lower}.pose")
         elif values is None and width == 6:
-            values = next((six for a, b in (("wrench.force", "wrench.torque"), ("twist.linear", "twist.angular"), ("accel.linear", "accel.angular"))
-                           if (six := _six(layout, rows, f"{lower}.{a}", f"{lower}.{b}")) is not None), None)  # fmt: skip
+            pairs = ("wrench.force", "wrench.torque"), ("twist.linear", "twist.angular"), ("accel.linear", "accel.angular")
+            found_six = (_six(layout, rows, f"{lower}.{first}", f"{lower}.{second}") for first, second in pairs)
+            values = next((six for six in found_six if six is not None), None)
         if values is not None and values.shape[1] == width:
             found[column] = values if width > 1 else values[:, 0]
     time = layout.read(rows, "time")
@@ -154,9 +162,14 @@ def _errors(layout: Layout, rows: Rows, column: str, field: str) -> dict[str, Va
     flags = [values for name in names if (values := layout.read(rows, name)) is not None]
     if not flags:
         return {}
-    which, place = np.unique(np.concatenate(flags, axis=1) != 0, axis=0, return_inverse=True)
-    texts = ["|".join(name.partition(".")[2] for name, one in zip(names, row) if one) for row in which]
-    return {column: np.array(texts, object)[place.reshape(-1)]}
+    flag = np.concatenate(flags, axis=1) != 0
+    texts = np.full(len(flag), "", object)
+    some = np.flatnonzero(flag.any(axis=1))
+    which, place = np.unique(flag[some], axis=0, return_inverse=True)
+    texts[some] = np.array(["|".join(name.partition(".")[2] for name, one in zip(names, row) if one) for row in which], object)[
+        place.reshape(-1)
+    ]
+    return {column: texts}
 
 
 def stamps(layout: Layout, rows: Rows) -> Values | None:
@@ -167,8 +180,10 @@ def stamps(layout: Layout, rows: Rows) -> Values | None:
     return sec[:, 0].astype(np.int64) * 10**9 + nanosec[:, 0].astype(np.int64)
 
 
-def read_all(messages: Messages, raw: Sequence[bytes], times: Sequence[int], read: Callable[[Layout, Rows], dict[str, Values]]) -> tuple[Values, dict[str, Values]]:
-    """Stamps, ns, and columns of messages; NaN where a message lacks a column. The time of recording stands in for a stamp of 0."""
+def read_all(
+    messages: Messages, raw: Sequence[bytes], times: Sequence[int], read: Callable[[Layout, Rows], dict[str, Values]]
+) -> tuple[Values, dict[str, Values]]:
+    """Stamps, ns, and columns of messages; NaN where a message lacks one. The time of recording stands in for a stamp of 0."""
     at = np.array(times, np.int64)
     columns: dict[str, Values] = {}
     for layout, places, rows in messages.alike(raw):

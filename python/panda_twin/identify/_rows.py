@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
-from scipy.interpolate import Akima1DInterpolator, CubicSpline
-from scipy.signal import butter, firwin, sosfiltfilt
-from scipy.sparse import csr_array
+from scipy.interpolate import Akima1DInterpolator, CubicSpline  # type: ignore[import-untyped]
+from scipy.signal import butter, firwin, sosfiltfilt  # type: ignore[import-untyped]
+from scipy.sparse import csr_array  # type: ignore[import-untyped]
 
 from .. import _core
 
@@ -32,7 +32,7 @@ _MARGIN = _EDGE + _HALF + int(_SHIFTS[-1]) + 2
 _FUSED = (2.0, 20.0)  # Hz: below a frequency in this range the slope of q counts, above it dq
 _GAP = 0.012  # s: a longer gap is not bridged
 _BLOCK = 10.0  # s
-MOST = 600.0
+MOST = 300.0
 """Of a longer log, as many seconds are looked at, in blocks spread over all of it."""
 _TAPS: Array = firwin(2 * _HALF + 1, _CUTOFF, fs=1 / TICK)
 
@@ -58,7 +58,7 @@ class Motion:
         places = np.arange(first, len(self.t), ROW)
         places = places[(places >= _MARGIN) & (places < len(self.t) - _MARGIN)]
         holes = np.concatenate([[0], np.cumsum(~self.is_whole)])
-        return places[holes[places + _MARGIN] == holes[places - _MARGIN]]
+        return np.asarray(places[holes[places + _MARGIN] == holes[places - _MARGIN]])
 
 
 def _low_pass(ticks: int, places: npt.NDArray[np.intp], shift: int = 0) -> csr_array:
@@ -76,7 +76,8 @@ def _filtered(values: Array, low_pass: csr_array) -> Array:
 def regressor(q: Array, dq: Array, ddq: Array, g_earth: Iterable[float]) -> Array:
     """Y of M ddq + c + g = Y parameters, (n, 7, 80)."""
     Y = np.empty((len(q), 7, 10 * BODIES))
-    _core.model_regressor(*(np.ascontiguousarray(x) for x in (q, dq, ddq)), [float(x) for x in g_earth], Y.reshape(len(q), -1))
+    gravity = [float(x) for x in g_earth]
+    _core.model_regressor(np.ascontiguousarray(q), np.ascontiguousarray(dq), np.ascontiguousarray(ddq), gravity, Y.reshape(len(q), -1))
     return Y
 
 
@@ -88,7 +89,7 @@ def noise_of(values: Array) -> float:
 
 def _velocity(q: Array, dq: Array | None) -> Array:
     """Joint velocities: dq above the frequency at which its noise equals that of the slope of q, that slope below it."""
-    slope = np.diff(q, axis=0, prepend=q[:1]) / TICK
+    slope: Array = np.diff(q, axis=0, prepend=q[:1]) / TICK
     slope[0] = slope[1] if len(slope) > 1 else 0
     if len(q) < 100:
         return slope if dq is None else dq
@@ -98,7 +99,7 @@ def _velocity(q: Array, dq: Array | None) -> Array:
     if equal < _FUSED[0]:
         return dq
     low = butter(2, min(equal, _FUSED[1]), fs=1 / TICK, output="sos")
-    return dq + np.asarray(sosfiltfilt(low, slope - dq, axis=0))
+    return np.asarray(dq + sosfiltfilt(low, slope - dq, axis=0))
 
 
 def motion_of(block: Block, by_id: bool) -> Motion:
@@ -109,7 +110,7 @@ def motion_of(block: Block, by_id: bool) -> Motion:
     """
     stamps = block.t
     first, last = int(np.ceil(stamps[0] / TICK - 1e-6)), int(np.floor(stamps[-1] / TICK + 1e-6))
-    t = np.arange(first, last + 1) * TICK
+    t: Array = np.arange(first, last + 1) * TICK
     names = [name for name in block.columns if name not in ("q", "dq")]
     period = float(np.median(np.diff(stamps))) if len(stamps) > 1 else TICK
     if by_id and len(t) == len(stamps):
@@ -121,14 +122,14 @@ def motion_of(block: Block, by_id: bool) -> Motion:
     else:
         def on_grid(values: Array) -> Array:
             return np.asarray(Akima1DInterpolator(stamps, values)(t))
-    q = on_grid(block.columns["q"])
+    q: Array = on_grid(block.columns["q"])
     after = np.clip(np.searchsorted(stamps, t, side="left"), 1, len(stamps) - 1)
     gap = stamps[after] - stamps[after - 1]
     exact = np.abs(stamps[np.clip(np.searchsorted(stamps, t - 1e-9), 0, len(stamps) - 1)] - t) < 1e-6
     is_whole = (gap <= max(_GAP, 4 * period)) | exact
     dq = _velocity(q, on_grid(block.columns["dq"]) if "dq" in block.columns else None)
     # The acceleration that leads from one tick to the next belongs to the earlier tick's q and dq (plant and robot alike sample after it).
-    ddq = np.diff(dq, axis=0, append=dq[-1:]) / TICK
+    ddq: Array = np.diff(dq, axis=0, append=dq[-1:]) / TICK
     return Motion(t, is_whole, q, dq, ddq, {name: on_grid(block.columns[name]) for name in names})
 
 

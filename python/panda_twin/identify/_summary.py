@@ -88,8 +88,14 @@ def group_of(estimate: Estimate, key: str) -> str:
     if key.startswith("plant.friction"):
         of_motor = any(p.key.startswith("plant.armature") for p in estimate.parameters)
         return "motor friction" if of_motor else "friction"
-    for begin, group in (("load.", "load"), ("plant.delay", "delay"), ("plant.elasticity", "elasticity"), ("theta.", "elasticity"),
-                         ("plant.armature", "armature"), ("base[", "inertia")):
+    for begin, group in (
+        ("load.", "load"),
+        ("plant.delay", "delay"),
+        ("plant.elasticity", "elasticity"),
+        ("theta.", "elasticity"),
+        ("plant.armature", "armature"),
+        ("base[", "inertia"),
+    ):
         if key.startswith(begin):
             return group
     return "other"
@@ -111,8 +117,8 @@ def plain(value: Any) -> Any:
 def summary(comparison: Comparison) -> dict[str, Any]:
     """The numbers of a comparison, SI but for times of logs, which are in ms; joints from 1; what is not told is None.
 
-    The keys are those of the page: `verdict`, `items`, `causes`, `estimates` (with `sd` and 95 % `interval`), `residual` (Nm, each joint, root of
-    the mean square), `closed`, `external`, `command_delay`, `untold`, `logs`.
+    Of a residual it is each joint's root of the mean square, Nm; `sd` of an estimate is its standard deviation, `interval`
+    its 95 % interval.
     """
     identified, delay, external = comparison.identified, comparison.command_delay, comparison.external
     return {
@@ -126,9 +132,15 @@ def summary(comparison: Comparison) -> dict[str, Any]:
         "estimates": [one for estimate in (identified.estimates if identified else []) for one in _estimates(estimate)],
         "residual": _residual(comparison),
         "closed": {"before": _closed(comparison.closed), "after": _closed(comparison.closed_after)},
-        "external": external and {"torque_rms": plain(external.torque_rms), "wrench_rms": plain(external.wrench_rms), "seconds": plain(external.seconds)},
+        "external": external
+        and {
+            "torque_rms": plain(external.torque_rms),
+            "wrench_rms": plain(external.wrench_rms),
+            "seconds": plain(external.seconds),
+        },
         "torque_delay": plain(identified.delay) if identified else None,
-        "command_delay": delay and {"cycles": plain(delay.cycles), "share": plain(delay.share), "expected": plain(delay.expected)},
+        "command_delay": delay
+        and {"cycles": plain(delay.cycles), "share": plain(delay.share), "expected": plain(delay.expected)},
         "untold": untold_of(comparison),
         "logs": [_log(log) for log in comparison.logs],
     }
@@ -140,8 +152,14 @@ def untold_of(comparison: Comparison) -> list[str]:
 
 
 def _item(item: Item) -> dict[str, Any]:
-    return {"kind": item.kind, "joint": None if item.joint is None else item.joint + 1, "found": plain(item.found), "demanded": plain(item.demanded),
-            "met": item.is_met, "words": item.words}
+    return {
+        "kind": item.kind,
+        "joint": None if item.joint is None else item.joint + 1,
+        "found": plain(item.found),
+        "demanded": plain(item.demanded),
+        "met": item.is_met,
+        "words": item.words,
+    }
 
 
 def _estimates(estimate: Estimate) -> list[dict[str, Any]]:
@@ -149,45 +167,94 @@ def _estimates(estimate: Estimate) -> list[dict[str, Any]]:
     for parameter, value, sd, told in zip(estimate.parameters, estimate.values, estimate.sd, estimate.told):
         is_told = bool(told) and math.isfinite(value) and math.isfinite(sd)
         half = QUANTILE * float(sd)
-        found.append({"key": parameter.key, "group": group_of(estimate, parameter.key), "text": parameter.text, "unit": parameter.unit,
-                      "value": plain(float(value)) if told else None, "sd": plain(float(sd)) if is_told else None,
-                      "interval": [float(value) - half, float(value) + half] if is_told else None})
+        found.append(
+            {
+                "key": parameter.key,
+                "group": group_of(estimate, parameter.key),
+                "text": parameter.text,
+                "unit": parameter.unit,
+                "value": plain(float(value)) if told else None,
+                "sd": plain(float(sd)) if is_told else None,
+                "interval": [float(value) - half, float(value) + half] if is_told else None,
+            }
+        )
     return found
 
 
 def _residual(comparison: Comparison) -> dict[str, Any]:
     before, after = values_before(comparison).get("torque"), values_after(comparison).get("torque")
     held_out = comparison.identified.held_out if comparison.identified else None
-    return {"before": plain(before), "after": plain(after), "held_out_before": plain(held_out and held_out[0]), "held_out_after": plain(held_out and held_out[1])}
+    return {
+        "before": plain(before),
+        "after": plain(after),
+        "held_out_before": plain(held_out and held_out[0]),
+        "held_out_after": plain(held_out and held_out[1]),
+    }
 
 
 def _closed(closed: Closed | None) -> dict[str, Any] | None:
-    return closed and {"position_rms": plain(closed.position_rms), "position_largest": plain(closed.position_largest), "torque_rms": plain(closed.torque_rms),
-                       "cycles": closed.cycles, "events": plain(closed.events), "first_difference": closed.first_difference}
+    if closed is None:
+        return None
+    return {
+        "position_rms": plain(closed.position_rms),
+        "position_largest": plain(closed.position_largest),
+        "torque_rms": plain(closed.torque_rms),
+        "cycles": closed.cycles,
+        "events": plain(closed.events),
+        "first_difference": closed.first_difference,
+    }
 
 
 def _log(log: LogFacts) -> dict[str, Any]:
     t = log.timing
-    return {"name": log.name, "kind": log.kind, "sha256": log.sha256, "rows": log.rows, "seconds": plain(log.seconds),
-            "missing": [{"column": column, "lost": lost} for column, lost in log.missing], "notes": plain(log.notes), "suspicions": plain(log.suspicions),
-            "timing": {"by": t.by, "median_ms": plain(t.median), "mean_ms": plain(t.mean), "sd_ms": plain(t.sd), "longest_ms": plain(t.longest),
-                       "longest_at_s": plain(t.longest_at), "lost": t.lost, "late": t.late, "repeated": t.repeated, "sorted": t.sorted,
-                       "held_runs": {str(k): t.held[k] for k in sorted(t.held)}}}
+    return {
+        "name": log.name,
+        "kind": log.kind,
+        "sha256": log.sha256,
+        "rows": log.rows,
+        "seconds": plain(log.seconds),
+        "missing": [{"column": column, "lost": lost} for column, lost in log.missing],
+        "notes": plain(log.notes),
+        "suspicions": plain(log.suspicions),
+        "timing": {
+            "by": t.by,
+            "median_ms": plain(t.median),
+            "mean_ms": plain(t.mean),
+            "sd_ms": plain(t.sd),
+            "longest_ms": plain(t.longest),
+            "longest_at_s": plain(t.longest_at),
+            "lost": t.lost,
+            "late": t.late,
+            "repeated": t.repeated,
+            "sorted": t.sorted,
+            "held_runs": {str(k): t.held[k] for k in sorted(t.held)},
+        },
+    }
 
 
 def number(value: float | None, digits: int = 3) -> str:
     """A number for people; a dash for none."""
-    return "–" if value is None or not math.isfinite(value) else f"{value:.{digits}g}"
+    if value is None or not math.isfinite(value):
+        return "–"
+    text = f"{value:.{digits}g}"
+    return f"{float(text):.0f}" if "e+" in text and abs(value) < 1e7 else text
 
 
 def interval(value: float, sd: float) -> str:
-    """An estimate with its 95 % interval: "0.546 ± 0.012"."""
+    """An estimate with its 95 % interval, to its first digit, or to two where that is a 1 or a 2: "0.546 ± 0.012"."""
     if not math.isfinite(value):
         return "not told"
     half = QUANTILE * sd
     if not math.isfinite(half) or half <= 0:
         return number(value, 4)
-    if half < 1e-4 or half >= 1e4:
+    power = math.floor(math.log10(half))
+    places = (half < 2.95 * 10.0**power) - power
+    if power < -5 or power > 4:
         return f"{value:.4g} ± {half:.1g}"
-    places = max(0, 1 - math.floor(math.log10(half)))
-    return f"{value:.{places}f} ± {half:.{places}f}"
+    places = max(0, places)
+    return f"{value:z.{places}f} ± {half:.{places}f}"
+
+
+def percent(share: float) -> str:
+    """A share as a whole percentage."""
+    return "<1 %" if 0 < share < 0.005 else f"{100 * share:.0f} %"

@@ -75,9 +75,11 @@ class CsvTable:
         else:
             self._skipped += 1
             self._first = _cells(first, self._separator)
-        if not first and not all(map(_is_number, self._first)):
+        if not self._first:
             raise ValueError(f"{path} has a heading only, of {len(self.names)} columns, and no row")
-        self._decimal = decimal or ("," if self._separator != "," and any(re.fullmatch(r"-?\d+,\d+(e[-+]?\d+)?", cell) for cell in self._first) else ".")
+        self._decimal = decimal or (
+            "," if self._separator != "," and any(re.fullmatch(r"-?\d+,\d+(e[-+]?\d+)?", cell) for cell in self._first) else "."
+        )
         self._tail = _last_line(path)
 
     def blocks(self, places: Sequence[int]) -> Iterator[dict[int, Values]]:
@@ -85,7 +87,9 @@ class CsvTable:
         self._cut: str | None = None
         keys = [str(place) for place in range(len(self.names))]
         kinds = {str(place): arrow.int64() if self._is_large(place) else arrow.float64() for place in places}
-        read = arrow.csv.ReadOptions(use_threads=False, block_size=_BLOCK_BYTES, skip_rows=self._skipped, column_names=keys, encoding=self._encoding)
+        read = arrow.csv.ReadOptions(
+            use_threads=False, block_size=_BLOCK_BYTES, skip_rows=self._skipped, column_names=keys, encoding=self._encoding
+        )
         parse = arrow.csv.ParseOptions(delimiter=self._separator, invalid_row_handler=self._of_wrong_length)
         convert = arrow.csv.ConvertOptions(
             column_types=kinds, include_columns=list(kinds), decimal_point=self._decimal, strings_can_be_null=False,
@@ -100,7 +104,11 @@ class CsvTable:
                         rows += batch.num_rows
         except (arrow.ArrowInvalid, arrow.ArrowKeyError, arrow.ArrowNotImplementedError, UnicodeError) as error:
             raise ValueError(self._said(str(error), rows)) from None
-        if self._cut is not None and (note := "the last row is not whole, so it is left out: the program that wrote the log was stopped") not in self.notes:
+        if (
+            self._cut is not None
+            and (note := "the last row is not whole, so it is left out: the program that wrote the log was stopped")
+            not in self.notes
+        ):
             self.notes.append(note)
 
     def _is_large(self, place: int) -> bool:
@@ -120,7 +128,8 @@ class CsvTable:
             return f"{self.file}: {where} has {match[3]} values and the heading {match[2]}; remove the row, or write the log anew"
         if match := re.search(r"In CSV column #(\d+): (?:Row #(\d+): )?.*invalid value '(.*)'", error, re.DOTALL):
             name = self.names[int(match[1])] if int(match[1]) < len(self.names) else match[1]
-            return f"{self.file}: column {name} has {match[3][:40]!r}, which is no number, after row {rows}; remove the row, or map the column without it"
+            where = f"in row {int(match[2]) - self._skipped}" if match[2] else f"after row {rows}"
+            return f"{self.file}: column {name} has {match[3][:40]!r}, which is no number, {where}; remove the row"
         return f"{self.file} is no CSV that can be read: {' '.join(error.split())[:300]}"
 
 
@@ -141,7 +150,10 @@ def _decoded_head(path: pathlib.Path) -> tuple[str, str]:
     except UnicodeDecodeError:
         encoding = "latin-1"
         text = data.decode(encoding)
-    if sum(not (c.isprintable() or c in "\t\r\n") for c in text[:4096]) > 8 or max(map(len, text.splitlines() or [""])) >= len(text) > _LONGEST_LINE // 8:
+    if (
+        sum(not (c.isprintable() or c in "\t\r\n") for c in text[:4096]) > 8
+        or max(map(len, text.splitlines() or [""])) >= len(text) > _LONGEST_LINE // 8
+    ):
         raise ValueError(f"{path} is no log: it is no text in lines, and of no format that is known here")
     return text, encoding
 
@@ -202,7 +214,10 @@ class ParquetTable:
     def blocks(self, places: Sequence[int]) -> Iterator[dict[int, Values]]:
         row = 0
         for batch in self._batches([self.names[place] for place in places], _ROWS):
-            yield {place: self._numbers(batch.column(batch.schema.get_field_index(self.names[place])), self.names[place], row) for place in places}
+            yield {
+                place: self._numbers(batch.column(batch.schema.get_field_index(self.names[place])), self.names[place], row)
+                for place in places
+            }
             row += batch.num_rows
 
     def _numbers(self, column: Any, name: str, row: int) -> Values:
@@ -243,7 +258,9 @@ class NpzTable:
             raise ValueError(f"{path} is a zip file without arrays; numpy.savez writes .npz files")
         self._members = [(member, shape or (1,), fortran, dtype) for member, shape, fortran, dtype in self._members]
         self.names = [member[:-4] for member, _, _, _ in self._members]
-        self.vectors = {m[:-4]: int(np.prod(shape[1:])) for m, shape, _, _ in self._members if len(shape) > 1 and np.prod(shape[1:]) != 1}
+        self.vectors = {
+            m[:-4]: int(np.prod(shape[1:])) for m, shape, _, _ in self._members if len(shape) > 1 and np.prod(shape[1:]) != 1
+        }
         self.lengths = {member[:-4]: shape[0] for member, shape, _, _ in self._members}
 
     def blocks(self, places: Sequence[int]) -> Iterator[dict[int, Values]]:
@@ -260,7 +277,10 @@ class NpzTable:
         member, shape, fortran, dtype = self._members[place]
         name = f"{self.file}: {self.names[place]}"
         if dtype.hasobject:
-            raise ValueError(f"{name} holds Python objects, whose reading would run code of the file; save it as an array of numbers: numpy.asarray(..., float)")
+            raise ValueError(
+                f"{name} holds Python objects, whose reading would run code of the file; save it as an array of numbers: "
+                f"numpy.asarray(..., float)"
+            )
         if dtype.kind not in "iufb":
             raise ValueError(f"{name} is of type {dtype}; numbers are needed")
         file = stack.enter_context(archive.open(member))
@@ -268,13 +288,26 @@ class NpzTable:
         width = int(np.prod(shape[1:]))
         if fortran and width > 1:
             if (size := shape[0] * width * dtype.itemsize) > _LARGEST:
-                raise ValueError(f"{name} is stored column by column and too large ({size >> 20} MB) to be turned; save numpy.ascontiguousarray of it")
+                raise ValueError(
+                    f"{name} is stored column by column and too large ({size >> 20} MB) to be turned; save "
+                    f"numpy.ascontiguousarray of it"
+                )
             whole = _read(file, size, name).view(dtype).reshape(width, shape[0]).T
             return _Slices(whole)
         return lambda rows: _shaped(_read(file, rows * width * dtype.itemsize, name).view(dtype), width)
 
 
-_ZIP_ERRORS = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, KeyError, OSError, UnicodeError, OverflowError)
+_ZIP_ERRORS = (
+    zipfile.BadZipFile,
+    zlib.error,
+    EOFError,
+    NotImplementedError,
+    RuntimeError,
+    KeyError,
+    OSError,
+    UnicodeError,
+    OverflowError,
+)
 
 
 class _Slices:
@@ -326,7 +359,9 @@ class ArraysTable:
             try:
                 array = np.asarray(values)
                 array = array if array.dtype.kind in "iu" else np.asarray(array, np.float64)
-                self._arrays[str(key)] = array.reshape(len(array), -1)
+                self._arrays[str(key)] = array.reshape(len(array), -1 if array.size else 1)
+                if not array.size:
+                    raise ValueError("it has no row")
             except (TypeError, ValueError) as error:
                 raise ValueError(f"{name}: {key} is no array of numbers with equally long rows ({_short(error)})") from None
         self.names = list(self._arrays)
@@ -341,7 +376,10 @@ class ArraysTable:
 
 def _same_length(file: str, lengths: Mapping[str, int]) -> int:
     if len(set(lengths.values())) > 1:
-        raise ValueError(f"{file}: its columns have different lengths: {', '.join(f'{name} {rows} rows' for name, rows in lengths.items())}; cut them to the same rows")
+        raise ValueError(
+            f"{file}: its columns have different lengths: "
+            f"{', '.join(f'{name} {rows} rows' for name, rows in lengths.items())}; cut them to the same rows"
+        )
     return next(iter(lengths.values()), 0)
 
 

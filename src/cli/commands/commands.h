@@ -19,7 +19,9 @@ void AddSweep(CLI::App& app, Program& program);
 void AddValidate(CLI::App& app, Program& program);
 void AddSchema(CLI::App& app, Program& program);
 void AddCheck(CLI::App& app, Program& program);
+void AddExcite(CLI::App& app, Program& program);
 void AddExplain(CLI::App& app, Program& program);
+void AddCompare(CLI::App& app, Program& program);
 void AddDecode(CLI::App& app, Program& program);
 void AddDevices(CLI::App& app, Program& program);
 void AddExport(CLI::App& app, Program& program);
@@ -27,8 +29,8 @@ void AddCompletion(CLI::App& app, Program& program);
 
 /// All of them, in the order of the help.
 inline constexpr auto kCommands = {
-    &AddRun,    &AddMoveTo,  &AddServe,      &AddRosCommand, &AddCtl,      &AddProxy,
-    &AddRender, &AddVideo,   &AddExperiment, &AddSweep,      &AddValidate, &AddSchema,
-    &AddCheck,  &AddExplain, &AddDecode,     &AddDevices,    &AddExport,   &AddCompletion};
+    &AddRun,     &AddMoveTo,     &AddServe,  &AddRosCommand, &AddCtl,    &AddProxy,     &AddRender,
+    &AddVideo,   &AddExperiment, &AddSweep,  &AddValidate,   &AddSchema, &AddCheck,     &AddExplain,
+    &AddCompare, &AddExcite,     &AddDecode, &AddDevices,    &AddExport, &AddCompletion};
 
 }  // namespace twin::cli
