@@ -104,7 +104,7 @@ class Recording:
             run.mcap or a folder of results; libfranka's CSV; what panda_py's get_log() returned, as a dict or by ``numpy.savez``;
             a bag of ROS 2 (folder, .mcap, .db3); any CSV, Parquet or NPZ file.
         mapping : path or dict, optional
-            Which columns are which, with units: FORMATS.md. For tables whose columns do not have the twin's names.
+            Which columns are which, with units: docs/reference/robot-logs.md. For tables whose columns do not have the twin's names.
 
         Raises
         ------
