@@ -65,6 +65,9 @@ class MotionRecorder final : public RunRecorder {
  private:
   Connected Connect(const run::RealtimeConfig& settings) override {
     run_.emplace(scenario(), inputs_.catalogue, inputs_.files, page_.sink(), settings);
+    if (const std::string excess = run_->ProfileExcess(); !excess.empty()) {
+      inputs_.console.Note(excess);
+    }
     if (const auto planning = run_->planning_time()) times_.planning_s = ToSeconds(*planning);
     // The reference generator settles behind the plan: the video shows that second too.
     constexpr Duration kSettling = std::chrono::seconds(1);

@@ -50,7 +50,10 @@ std::string CheckMotion(const scenario::Scenario& scenario, const std::filesyste
                         const run::Catalogue& catalogue, const run::RunFiles& files) {
   const run::Run run(scenario, catalogue, files, nullptr);
   CheckCamera(scenario, file, run.connection());
-  return fmt::format("  motion  {}\n", DescribeMotion(scenario.motion, run.trajectory()));
+  std::string text =
+      fmt::format("  motion  {}\n", DescribeMotion(scenario.motion, run.trajectory()));
+  if (const std::string excess = run.ProfileExcess(); !excess.empty()) text += "  " + excess + '\n';
+  return text;
 }
 
 /// Stands for a controller whose library is not loaded.

@@ -57,6 +57,14 @@ const reference::Trajectory& Run::trajectory() const noexcept {
   return motion_->motion().trajectory;
 }
 
+std::string Run::ProfileExcess() const {
+  const auto& profile = scenario_.places.profile;
+  if (!profile) return {};
+  JointVector speed = trajectory().peaks().velocity;
+  for (std::size_t i = 0; i < kJoints; ++i) speed[i] *= robot().limits.dq_max[i];
+  return profile->Excess(speed, scenario_.robot.load.m_load);
+}
+
 const scenario::RobotData& Run::robot() const noexcept {
   return session_->robot();
 }

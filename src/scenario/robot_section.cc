@@ -165,10 +165,24 @@ Value LoadOf(setting::Load& load) {
                  Validated(SectionOf(load), [&load] { RequireValid(load); }));
 }
 
+/// A key that ReadProfile() takes. It is not written: its consequences are.
+static Value ReadBefore(Value value) {
+  value.write = [](int /*indent*/) { return std::string(); };
+  return value;
+}
+
 void DescribeRobot(Map& map, Scenario& scenario) {
   RobotSection& robot = scenario.robot;
   map.Add("model", Identifier(robot.model), "Folder below models/robots.")
       .At(scenario.places.robot);
+  map.Add("profile", ReadBefore(Converted(std::string(), Text, [](auto& /*name*/) {})),
+          "What was identified of the robot, for keys of plant, link and robot.load that the "
+          "scenario leaves out: a file beside this one, in ../profiles, or absolute.");
+  map.Add("profile_draw",
+          ReadBefore(Converted(
+              std::uint64_t{0}, [](auto& draw) { return Integer(draw, 0, 1'000'000'000); },
+              [](auto /*draw*/) {})),
+          "Above 0: number of a draw from the profile's covariance.");
   map.Add("hand", Choice(robot.hand, kHandNames), "What is mounted on the flange.");
   map.Add("q_start", Optional(robot.q_start, [](JointVector& q) { return Joints(q, kAngle); }),
           "Where the arm starts; absent: at the first waypoint.");

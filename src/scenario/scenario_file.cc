@@ -131,6 +131,7 @@ Scenario ReadScenario(const YamlNode& root, const std::filesystem::path& folder,
   Map map;
   Describe(map, scenario);
   if (stands) map.Before([](const YamlNode& /*node*/) {});  // it needs nothing that moves it
+  if (const auto robot = root.Member("robot")) ReadProfile(*robot, scenario);
   map.Read(root);
   if (stands) {
     if (!scenario.robot.q_start) {

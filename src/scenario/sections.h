@@ -59,6 +59,9 @@ void DescribeMotion(Map& map, Scenario& scenario);
 [[nodiscard]] Value MaxDeviationOf(Scenario& scenario);
 [[nodiscard]] Value Panel(std::vector<robot::PanelEvent>& panel);
 [[nodiscard]] Value Hand(std::vector<HandEvent>& hand);
+/// Reads the profile that `robot` names over the defaults of plant, link and load, before the
+/// scenario's own keys. @throws InputError naming the profile's file and line, or the scenario's.
+void ReadProfile(const YamlNode& robot, Scenario& scenario);
 /// All keys of a scenario.
 void Describe(Map& map, Scenario& scenario);
 

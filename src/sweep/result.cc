@@ -70,6 +70,7 @@ std::string HashOfProgram(const run::RunFiles& files) {
 void AddScenario(scenario::Scenario scenario, const run::RunFiles& files, ContentHash& hash) {
   scenario.seed = 0;
   hash.Add(scenario::ToYaml(scenario));
+  if (scenario.places.profile) hash.Add(scenario.places.profile->hash);  // for its draws
   const fs::path floor = "scenes/floor.xml";
   AddScene(files.models / (scenario.scene.empty() ? floor : scenario.scene), hash);
   if (!scenario.controller.library.empty()) hash.Add(BytesOf(scenario.controller.library));

@@ -101,7 +101,7 @@ TEST_F(LabTest, SaysWhichValueIsOutOfRange) {
 
 TEST_F(LabTest, DoesNotGoWithAnIdealPlantThatHasNoWeight) {
   EXPECT_THAT(ErrorOf("plant: {mass_scale: 1.05}", Here("plant: {kind: ideal}")),
-              AllOf(HasSubstr("with scenario here"), HasSubstr("leave mass_scale and base_tilt")));
+              AllOf(HasSubstr("with scenario here"), HasSubstr("leave mass_scale, base_tilt")));
 }
 
 TEST_F(LabTest, AddsLimitsToThoseOfTheScenario) {

@@ -140,5 +140,31 @@ TEST(ShardTest, SharesEveryRunOutOnce) {
   }
 }
 
+// A point's draw depends on the profile and the point's number alone: shards agree on it.
+TEST(SweepTest, PointsDrawFromTheProfilesCovariance) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "p.yaml")
+      << "profile: 1\nrobot: panda\nscenario: {robot: {load: {mass: 1 kg}}}\n"
+         "covariance: {keys: [robot.load.mass], matrix: [[0.01]]}\n";
+  std::ofstream(folder / "base.yaml")
+      << "name: base\nrobot: {profile: p.yaml}\nmotion:\n  trajectory:\n    unit: rad\n"
+         "    waypoints:\n      - {q: [0, -0.8, 0, -2.4, 0, 1.6, 0.8]}\n"
+         "      - {q: [0.1, -0.8, 0, -2.4, 0, 1.6, 0.8]}\n";
+  const auto sweep_of = [&folder](const std::string& range) {
+    std::ofstream(folder / "s.yaml")
+        << "name: s\nscenario: base.yaml\naxes:\n  - {key: robot.profile_draw, " << range << "}\n";
+    return Sweep(folder / "s.yaml", folder.path());
+  };
+  const Sweep sweep = sweep_of("from: 1, to: 50, steps: 50");
+  sweep.CheckPoints();
+  std::set<double> masses;
+  for (std::uint64_t run = 0; run < sweep.runs(); ++run) {
+    masses.insert(sweep.ScenarioOf(sweep.CaseAt(run)).robot.load.m_load);
+  }
+  EXPECT_EQ(masses.size(), 50U);
+  const Sweep one = sweep_of("values: [7]");
+  EXPECT_EQ(one.ScenarioOf(one.CaseAt(0)).robot.load, sweep.ScenarioOf(sweep.CaseAt(6)).robot.load);
+}
+
 }  // namespace
 }  // namespace twin::sweep::sweep_points_test

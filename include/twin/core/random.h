@@ -32,6 +32,7 @@ enum class RandomStream : std::uint32_t {
   kGoalSeed = 22,         ///< of an application's later goals
   kObjects = 23,          ///< sizes, masses and places of a scenario's objects
   kPlace = 24,            ///< where an application places an object
+  kProfile = 25,          ///< numbers of a robot's profile, by its covariance
   kOperatorDelay = 32,    ///< of an operator's commands to the robot
   kOperatorLoss = 33,
   kOperatorBurst = 34,

@@ -93,6 +93,9 @@ class Run {
   [[nodiscard]] const backend::Connection& connection() const noexcept;
   [[nodiscard]] const reference::Trajectory& trajectory() const noexcept;
   [[nodiscard]] const scenario::RobotData& robot() const noexcept;
+  /// Profile::Excess of the motion; empty without a profile. Of a motion of poses it judges the
+  /// load alone: what its joints do is known when it runs.
+  [[nodiscard]] std::string ProfileExcess() const;
   /// Wall-clock time of the planner; nullopt without a planned motion.
   [[nodiscard]] std::optional<Duration> planning_time() const noexcept {
     return plan_ ? std::optional(plan_->wall) : std::nullopt;

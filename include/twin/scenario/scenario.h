@@ -29,6 +29,7 @@
 #include "twin/robot/robot_config.h"
 #include "twin/scenario/link_section.h"
 #include "twin/scenario/objects.h"
+#include "twin/scenario/profile.h"
 #include "twin/scenario/render_section.h"
 
 namespace twin::teleop {
@@ -272,7 +273,8 @@ struct Places {
   Place library;
   Place application;
   Place device;
-  std::filesystem::path folder;  ///< of the file; empty when nothing was read
+  std::filesystem::path folder;    ///< of the file; empty when nothing was read
+  std::optional<Profile> profile;  ///< of which plant, link and robot.load hold the keys
   bool operator==(const Places& /*other*/) const { return true; }
 };
 
