@@ -40,7 +40,7 @@ def closed_of(recording: Recording, scenario: Scenario) -> Closed | None:
         exact = [differences[name] for name in ("q", "dq", "tau_J") if name in differences]
         unequal = np.flatnonzero(np.any([np.any(difference != 0, axis=1) for difference in exact], axis=0))
         if first is None and len(unequal):
-            first = rows + int(unequal[0])
+            first = rows + int(unequal[0]) + 1
         events.add("robot", block.columns.get("errors"), rows)
         events.add("twin", twin["errors"], rows)
         shown = slice(-rows % _EVERY, None, _EVERY)

@@ -67,7 +67,7 @@ def replay(log: Recording | Log, scenario: Scenario, *, cycles_of_delay: int = 0
     if own is not None:
         seed, first, cycles = own.seed, _ownstart_of(own), _own_cycles(own)
     elif isinstance(log, Log):
-        raise ValueError("the log has no commands of the twin's own; open it by Recording.open()")
+        raise ValueError("the log has no commands with their fates; open it by Recording.open()")
     else:
         seed, first, cycles = scenario.seed, start_of(log), cycles_of(log, cycles_of_delay)
         cycles_of_delay = 0  # is in
@@ -105,12 +105,12 @@ def _named(ids: npt.NDArray[np.int64], states: Floats, codes: npt.NDArray[np.uin
 
 
 def _own_file(log: Recording | Log) -> _core.LogFile | None:
-    """The file of a log of the twin that has ticks."""
+    """The file of a log that the twin's own robot wrote, with ticks. Of a robot on the network a log does not know fates."""
     source: Any = log if isinstance(log, Log) else log._source
     if not isinstance(log, Log) and log.kind != "panda-twin":
         return None
     file = getattr(getattr(source, "_log", source)._source, "file", None)
-    if file is None or not isinstance(file, _core.LogFile):
+    if not isinstance(file, _core.LogFile) or file.drive == "remote":
         return None
     return file if file.read("ticks", ["message_id"], file.first_ns, file.first_ns + 3 * 10**9, 1).rows else None
 
