@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from .. import _core
 from .._log import Log
-from ._robot_commands import COMMAND, COMMAND_SIZE, INTERFACES, RECOVER, START, STOP, Cycles, Floats, Shift, Values, cycles_of, start_of
+from ._robot_commands import COMMAND, COMMAND_SIZE, INTERFACES, RECOVER, START, STOP, Cycles, Floats, Shift, Values, cycles_of, interface_of, start_of
 
 if TYPE_CHECKING:
     from ..scenario import Scenario
@@ -39,7 +39,10 @@ def replay(log: Recording | Log, scenario: Scenario, *, cycles_of_delay: int = 0
     - A command counts as lost, so that the twin holds its acceleration, where the robot's q_d is not q_c to 1e-10 rad although it is
       in most rows; and in rows that are not in the log if q_d says that the robot held its acceleration there. Other rows that are
       not in the log take commands from a cubic through their neighbours (torques: a line).
-    - The arm rests for 200 cycles before the first row.
+    - Torques that are all zero at once, after more than 1 Nm, end the motion.
+    - The arm rests for 200 cycles before the first row, so what the scenario has happen at a time (pushes, buttons) comes 0.2 s
+      earlier in the log's time.
+    - Of torque motions without tau_J_c nothing can be replayed: their q_d stands still.
 
     Parameters
     ----------
@@ -94,6 +97,11 @@ def can_replay(recording: Recording) -> bool:
     except ValueError:
         return False
     return True
+
+
+def is_by_reference(recording: Recording) -> bool:
+    """Whether `replay` has no commands but the robot's q_d."""
+    return _own_file(recording) is None and interface_of(recording.columns).column == "q_d"
 
 
 def _named(ids: npt.NDArray[np.int64], states: Floats, codes: npt.NDArray[np.uint64]) -> dict[str, Values]:
