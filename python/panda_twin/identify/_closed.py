@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._observer import ExternalTorque
-from ._replay import can_replay, replay
+from ._replay import can_replay, is_by_reference, replay
 from ._result import Closed, External
 
 if TYPE_CHECKING:
@@ -21,18 +21,22 @@ Array: TypeAlias = npt.NDArray[np.float64]
 _EVERY = 10  # cycles between curves' points
 _COMPARED = ("q", "dq", "tau_J", "q_d")
 _PERIOD = (0.9e-3, 1.1e-3)  # s, of rows that the observer takes
+_FOLLOWED = 0.1  # rad
 _SETTLED = 0.2  # s after which the observer has forgotten where it began
 
 
 def closed_of(recording: Recording, scenario: Scenario) -> Closed | None:
-    """Give the log's commands to the twin; None where the log has none, or begins in a motion."""
+    """Give the log's commands to the twin; None where the log has none, begins in a motion, or has only a q_d that the robot did not follow."""
     if not can_replay(recording):
         return None
     names = [name for name in (*_COMPARED, "errors") if name in recording.columns]
+    is_reference = is_by_reference(recording)
     sums, largest = {name: np.zeros(7) for name in ("q", "tau_J")}, np.zeros(7)
     curves: list[tuple[Array, Array, Array]] = []
     events, rows, first = _Events(), 0, None
     for block, twin in _beside(recording, scenario, names):
+        if is_reference and np.abs(block.columns["q"] - block.columns["q_d"]).max() > _FOLLOWED:
+            return None  # a torque motion
         differences = {name: block.columns[name] - twin[name] for name in names if name != "errors"}
         for name in sums.keys() & differences.keys():
             sums[name] += np.sum(differences[name] ** 2, axis=0)
@@ -40,7 +44,7 @@ def closed_of(recording: Recording, scenario: Scenario) -> Closed | None:
         exact = [differences[name] for name in ("q", "dq", "tau_J") if name in differences]
         unequal = np.flatnonzero(np.any([np.any(difference != 0, axis=1) for difference in exact], axis=0))
         if first is None and len(unequal):
-            first = rows + int(unequal[0])
+            first = rows + int(unequal[0]) + 1
         events.add("robot", block.columns.get("errors"), rows)
         events.add("twin", twin["errors"], rows)
         shown = slice(-rows % _EVERY, None, _EVERY)

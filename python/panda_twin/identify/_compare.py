@@ -155,7 +155,7 @@ class _Comparing:
         recording = self.recordings[0]
         closed = closed_of(recording, self.scenario)
         if closed is None:
-            self.untold.append("how the robot follows its commands: the log has neither q_c nor q_d, nor another command")
+            self.untold.append("how the robot follows its commands: the log has neither q_c nor q_d, nor another command, or begins in a motion")
             return None, None
         if profile is None:
             return closed, None

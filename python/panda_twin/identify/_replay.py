@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from .. import _core
 from .._log import Log
-from ._robot_commands import COMMAND, COMMAND_SIZE, INTERFACES, RECOVER, START, STOP, Cycles, Floats, Shift, Values, cycles_of, start_of
+from ._robot_commands import COMMAND, COMMAND_SIZE, INTERFACES, RECOVER, START, STOP, Cycles, Floats, Shift, Values, cycles_of, interface_of, start_of
 
 if TYPE_CHECKING:
     from ..scenario import Scenario
@@ -39,7 +39,10 @@ def replay(log: Recording | Log, scenario: Scenario, *, cycles_of_delay: int = 0
     - A command counts as lost, so that the twin holds its acceleration, where the robot's q_d is not q_c to 1e-10 rad although it is
       in most rows; and in rows that are not in the log if q_d says that the robot held its acceleration there. Other rows that are
       not in the log take commands from a cubic through their neighbours (torques: a line).
-    - The arm rests for 200 cycles before the first row.
+    - Torques that are all zero at once, after more than 1 Nm, end the motion.
+    - The arm rests for 200 cycles before the first row, so what the scenario has happen at a time (pushes, buttons) comes 0.2 s
+      earlier in the log's time.
+    - Of torque motions without tau_J_c nothing can be replayed: their q_d stands still.
 
     Parameters
     ----------
@@ -67,7 +70,7 @@ def replay(log: Recording | Log, scenario: Scenario, *, cycles_of_delay: int = 0
     if own is not None:
         seed, first, cycles = own.seed, _ownstart_of(own), _own_cycles(own)
     elif isinstance(log, Log):
-        raise ValueError("the log has no commands of the twin's own; open it by Recording.open()")
+        raise ValueError("the log has no commands with their fates; open it by Recording.open()")
     else:
         seed, first, cycles = scenario.seed, start_of(log), cycles_of(log, cycles_of_delay)
         cycles_of_delay = 0  # is in
@@ -96,6 +99,11 @@ def can_replay(recording: Recording) -> bool:
     return True
 
 
+def is_by_reference(recording: Recording) -> bool:
+    """Whether `replay` has no commands but the robot's q_d."""
+    return _own_file(recording) is None and interface_of(recording.columns).column == "q_d"
+
+
 def _named(ids: npt.NDArray[np.int64], states: Floats, codes: npt.NDArray[np.uint64]) -> dict[str, Values]:
     result: dict[str, Values] = {"message_id": ids, "fate": _FATES[codes[:, 3].astype(int)], "robot_mode": _MODES[codes[:, 2].astype(int)]}
     sets, places = np.unique(codes[:, 1], return_inverse=True)
@@ -105,12 +113,12 @@ def _named(ids: npt.NDArray[np.int64], states: Floats, codes: npt.NDArray[np.uin
 
 
 def _own_file(log: Recording | Log) -> _core.LogFile | None:
-    """The file of a log of the twin that has ticks."""
+    """The file of a log that the twin's own robot wrote, with ticks. Of a robot on the network a log does not know fates."""
     source: Any = log if isinstance(log, Log) else log._source
     if not isinstance(log, Log) and log.kind != "panda-twin":
         return None
     file = getattr(getattr(source, "_log", source)._source, "file", None)
-    if file is None or not isinstance(file, _core.LogFile):
+    if not isinstance(file, _core.LogFile) or file.drive == "remote":
         return None
     return file if file.read("ticks", ["message_id"], file.first_ns, file.first_ns + 3 * 10**9, 1).rows else None
 

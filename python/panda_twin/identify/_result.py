@@ -74,7 +74,7 @@ class Closed:
     events: list[str]
     """Errors: what robot and twin reported, at which cycle."""
     first_difference: int | None
-    """First cycle whose q, dq or tau_J differs in any bit; None: all are equal."""
+    """Number of the first cycle, from 1, whose q, dq or tau_J differs in any bit; None: all are equal."""
 
 
 @dataclasses.dataclass(frozen=True)

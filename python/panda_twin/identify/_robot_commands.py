@@ -28,6 +28,7 @@ _LEAD = 200  # cycles at rest before the first row of a robot's log
 _LOST = 20  # cycles without a command that end a motion
 _SAME = 1e-10  # rad: a reference that follows its command, or holds its acceleration
 _AT_REST = 0.02  # rad/s
+_JUMP = 1.0  # Nm in a cycle: 1000 Nm/s
 
 
 @dataclasses.dataclass
@@ -41,12 +42,14 @@ class Cycles:
     """(n, 3): request, motion generator mode, controller mode."""
     present: Mask
     commands: Floats
+    lost: Mask
+    """Whether a command is absent because it was lost, not because the motion has ended."""
 
     @classmethod
     def none(cls, begin: int, end: int) -> Cycles:
         """Cycles begin, ..., end - 1, of which the log has none."""
         n = max(0, end - begin)
-        return cls(np.arange(begin, begin + n), np.zeros(n, bool), np.zeros((n, 3), np.uint8), np.zeros(n, bool), np.zeros((n, COMMAND_SIZE)))
+        return cls(np.arange(begin, begin + n), np.zeros(n, bool), np.zeros((n, 3), np.uint8), np.zeros(n, bool), np.zeros((n, COMMAND_SIZE)), np.zeros(n, bool))
 
 
 class Shift:
@@ -93,7 +96,8 @@ class _Interface:
 INTERFACES = (_Interface("tau_J_d", "tau_J_c", 2, 2), _Interface("q_c", "q_c", 1, 0), _Interface("dq_c", "dq_c", 2, 0), _Interface("q_c", "q_d", 1, 0))
 
 
-def _interface(columns: frozenset[str]) -> _Interface:
+def interface_of(columns: frozenset[str]) -> _Interface:
+    """Choose what is commanded."""
     for interface in INTERFACES:
         if interface.column in columns:
             return interface
@@ -102,7 +106,7 @@ def _interface(columns: frozenset[str]) -> _Interface:
 
 def cycles_of(recording: Recording, delay: int) -> Iterator[Cycles]:
     """Cycles of a robot's log, with commands as `replay` says; those at the end of a block wait until it is known what follows."""
-    interface = _interface(recording.columns)
+    interface = interface_of(recording.columns)
     return _requested(_gridded(recording, interface, delay), interface)
 
 
@@ -122,12 +126,14 @@ def _gridded(recording: Recording, interface: _Interface, delay: int) -> Iterato
         begin, last = last + 1, int(at[-1])
         cycles = Cycles.none(begin, last + 1)
         cycles.logged[at - begin] = True
-        command = _filled(known["at"], known[interface.column], cycles.ids, interface.command != "tau_J_d")
+        commanded = _without_idle(known[interface.column]) if interface.command == "tau_J_d" else known[interface.column]
+        command = _filled(known["at"], commanded, cycles.ids, interface.command != "tau_J_d")
         command[_held_in_gaps(known, cycles.ids, interface)] = np.nan
         command = shift(command)
         cycles.present = _there(command)
         if interface.column == "q_c" and "q_d" in known:
-            cycles.present[at - begin] &= ~_unfollowed(block.columns["q_d"], command[at - begin])
+            cycles.lost[at - begin] = _unfollowed(block.columns["q_d"], command[at - begin])
+            cycles.present &= ~cycles.lost
         cycles.commands[:, COMMAND[interface.command]] = np.nan_to_num(command)
         if interface.command == "tau_J_d" and "dq_c" in others:
             cycles.commands[:, COMMAND["dq_c"]] = np.nan_to_num(_filled(known["at"], known["dq_c"], cycles.ids, True))
@@ -175,16 +181,36 @@ def _there(command: Floats) -> Mask:
 
 
 def _unfollowed(q_d: Floats, command: Floats) -> Mask:
-    """Rows whose reference is not their command, where most are; more than a motion survives are another matter than losses."""
+    """Rows whose reference is not their command, where most are; 20 in a row only where the acceleration was held."""
     there = _there(command)
     differs: Mask = there & (np.abs(q_d - np.nan_to_num(command)).max(axis=1) > _SAME)
     if differs.sum() * 2 >= there.sum():
         return np.zeros(len(q_d), bool)
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], differs, [False]]).astype(int)))
-    for begin, end in zip(edges[::2], edges[1::2]):
-        if end - begin >= _LOST:
+    for begin, end in _runs(differs):
+        if end - begin >= _LOST and not _is_held(q_d[max(0, begin - 3) : begin + _LOST - 4]):
             differs[begin:end] = False
     return differs
+
+
+def _runs(mask: Mask) -> list[tuple[int, int]]:
+    """Begins and ends of the rows in which it holds."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(int))).tolist()
+    return list(zip(edges[::2], edges[1::2]))
+
+
+def _is_held(q_d: Floats) -> bool:
+    """Whether a reference moves with one acceleration."""
+    return len(q_d) > 3 and bool(np.abs(np.diff(q_d, 3, axis=0)).max() < 10 * _SAME and np.abs(np.diff(q_d[:2], axis=0)).max() > 1e-6)
+
+
+def _without_idle(torque: Floats) -> Floats:
+    """Torques, NaN where all are zero at once after more than a robot would let them jump: there the motion has ended."""
+    zero = ~torque.any(axis=1)
+    result = torque.copy()
+    for begin, end in _runs(zero):
+        if begin == 0 or np.abs(torque[begin - 1]).max() > _JUMP:
+            result[begin:end] = np.nan
+    return result
 
 
 def _requested(grid: Iterator[Cycles], interface: _Interface) -> Iterator[Cycles]:
@@ -202,7 +228,7 @@ def _requested(grid: Iterator[Cycles], interface: _Interface) -> Iterator[Cycles
 def _passed(cycles: Cycles, moving: bool, interface: _Interface, count: int) -> tuple[bool, Cycles, Cycles]:
     """The first `count` cycles with their requests, and those that wait."""
     count = max(0, count)
-    coming = np.flatnonzero(cycles.present)
+    coming = np.flatnonzero(cycles.present | cycles.lost)
     i = 0
     while i < count:
         place = np.searchsorted(coming, i)
