@@ -156,6 +156,7 @@ class Excite(unittest.TestCase):
         self.assertIn("cannot be told", text)
         sd = {one["key"]: one["sd"] for one in json.loads((out / "expected.json").read_text())["parameters"]}
         self.assertIsNone(sd["load.Ixx"])
+        self.assertIsNone(sd["load.centre.x"])
 
     def test_refuses(self):
         def scenario(text):

@@ -1,4 +1,4 @@
-"""How far an arm keeps from itself, the floor and a lab's limits: what a search can afford. The program's own check has the last word."""
+"""How far an arm keeps from itself, the floor and a lab's limits, as a search can afford it: the program's check decides."""
 
 from __future__ import annotations
 
@@ -15,7 +15,9 @@ Array: TypeAlias = npt.NDArray[np.float64]
 _TRACKING = 0.01  # m: the arm deviates by so much from its path, and samples miss the nearest point
 _SPARE = 0.97  # of a cap on speed
 # Spheres that cover the hand, in its frame, the flange's turned by -45 degrees: x, y, z, radius (docs/reference/limits.md).
-_HAND = np.array([[0, y, z, r] for z, width, r in ((0.037, 0.065, 0.054), (0.095, 0.05, 0.027)) for y in width * np.array([-1, -1 / 3, 1 / 3, 1])])
+_ROWS = ((0.037, 0.065, 0.054), (0.095, 0.05, 0.027))
+_HAND = np.array([[0, share * width, z, r] for z, width, r in _ROWS for share in (-1, -1 / 3, 1 / 3, 1)])
+_FRAMES: tuple[model.Frame, ...] = ("joint4", "joint5", "joint7", "flange", "EE")
 _FLANGE = np.array([[0, 0, 0, 0.05]])
 
 
@@ -26,7 +28,9 @@ def _number(value: Any) -> float:
 def _numbers(value: Any) -> Array:
     if isinstance(value, Mapping):
         value = value["values"]
-    return np.array([_number(one) for one in value]) if isinstance(value, Sequence) and not isinstance(value, str) else np.full(7, _number(value))
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return np.array([_number(one) for one in value])
+    return np.full(7, _number(value))
 
 
 def _to_segment(points: Array, a: Array, b: Array) -> Array:
@@ -59,7 +63,7 @@ class Clearance:
 
     def breach(self, q: Array, dq: Array) -> float:
         """By how much a motion, samples (n, 7), goes too far at most: m, m/s and rad/s alike; 0 if it does not."""
-        frames = {name: model.fk(q, name) for name in ("joint4", "joint5", "joint7", "flange", "EE")}  # type: ignore[arg-type]
+        frames = {name: model.fk(q, name) for name in _FRAMES}
         flange = frames["flange"]
         R = flange[:, :3, :3] @ self._F_R_hand
         hand = flange[:, None, :3, 3] + np.einsum("nij,kj->nki", R, self._spheres[:, :3])

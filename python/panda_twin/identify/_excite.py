@@ -19,7 +19,8 @@ from ._series import POSITION_MARGIN, RAMP, JointBounds, Series, basis
 Array: TypeAlias = npt.NDArray[np.float64]
 
 # Limits of the Panda: rad/s, rad/s^2, rad/s^3 (models/robots/panda/limits.yaml).
-_RATES = (np.array([2.175] * 4 + [2.61] * 3), np.array([15, 7.5, 10, 12.5, 15, 20, 20]), np.array([7500, 3750, 5000, 6250, 7500, 10000, 10000.0]))
+_RATES = (np.array([2.175] * 4 + [2.61] * 3), np.array([15, 7.5, 10, 12.5, 15, 20, 20]),
+          np.array([7500, 3750, 5000, 6250, 7500, 10000, 10000.0]))  # fmt: skip
 # Fastest harmonic, Hz. Friction wants slow passages, a load the accelerations of the wrist; the estimator sees up to 8 Hz.
 _FASTEST = {"friction": 0.5, "load": 1.0, "inertia": 0.8}
 _SAMPLES = 160  # of one period
@@ -40,7 +41,7 @@ class Design:
     def points(self, step: float = 0.02) -> tuple[Array, Array]:
         """Times (n,) and positions (n, 7), a point every `step` seconds."""
         n = round(self.series.seconds / step)
-        t = np.arange(n + 1) * (self.series.seconds / n)
+        t = np.linspace(0, self.series.seconds, n + 1)
         q = self.series.at(self.coefficients, t)[0]
         q[0] = q[-1] = self.series.start
         return t, q
@@ -67,15 +68,15 @@ def series_for(kind: str, start: Array, seconds: float, terms: int) -> Series:
     least = terms / _FASTEST[kind]
     periods = int((seconds - 2 * RAMP) / least + 1e-9) if np.isfinite(seconds) else 0
     if periods < 1:
-        raise ValueError(f"--seconds is {seconds:g}: {terms} terms for {kind} take at least {least + 2 * RAMP:g} s, one period and both ramps; "
-                         "give it more time, or fewer --terms")  # fmt: skip
+        raise ValueError(f"--seconds is {seconds:g}: {terms} terms for {kind} take at least {least + 2 * RAMP:g} s, "
+                         "one period and both ramps; give it more time, or fewer --terms")  # fmt: skip
     if seconds > 600:
         raise ValueError(f"--seconds is {seconds:g}; it must be at most 600")
     return Series(start, seconds, terms, (seconds - 2 * RAMP) / periods)
 
 
 def _information(kind: str, twin: TwinModel) -> Callable[[Array, Array, Array], Array]:
-    """What samples (n, 7) tell of the parameters in their scales: (k, k), friction first; of friction alone, each joint's (7, 5, 5)."""
+    """What samples (n, 7) tell of the parameters in their scales: (k, k), friction first; of friction alone (7, 5, 5)."""
     scale = np.array([p.scale for term in terms_of(kind, smooth=kind == "friction") for p in term.parameters])
     law = _friction("residual")
     leading = base_of_links()[0] if kind == "inertia" else np.arange(70, 80)
@@ -95,12 +96,14 @@ def _information(kind: str, twin: TwinModel) -> Callable[[Array, Array, Array], 
             X[:, joint, joint : 21 : 7] = np.stack([dq[:, joint], np.tanh(STEEP / 2 * dq[:, joint]), np.ones(len(q))], axis=1)
         X[:, :, 21:] = regressor(q, dq, ddq, twin.g_earth)[:, :, leading]
         flat = X.reshape(-1, X.shape[2]) * scale
-        return flat.T @ flat
+        return np.asarray(flat.T @ flat)
 
     return of_friction if kind == "friction" else of_bodies
 
 
-def design(kind: str, series: Series, bounds: JointBounds, clearance: Clearance, twin: TwinModel, noise: float, seed: int) -> Design:
+def design(
+    kind: str, series: Series, bounds: JointBounds, clearance: Clearance, twin: TwinModel, noise: float, seed: int
+) -> Design:
     """Search for coefficients: random starts, then steps on one joint at a time that are kept where they are better.
 
     Better is a smaller sum of the variances of the parameters wanted, each in its own scale (A-optimal), friction being fitted
@@ -108,7 +111,8 @@ def design(kind: str, series: Series, bounds: JointBounds, clearance: Clearance,
     """
     random = np.random.default_rng(seed)
     information = _information(kind, twin)
-    samples = basis(RAMP + np.arange(_SAMPLES) * (series.period / _SAMPLES), series.seconds, series.period, series.terms)
+    t = np.linspace(RAMP, RAMP + series.period, _SAMPLES, endpoint=False)
+    samples = basis(t, series.seconds, series.period, series.terms)
     each = series.seconds * 1000 / _SAMPLES / noise**2
     wanted = slice(None) if kind == "friction" else slice(21, None)
 

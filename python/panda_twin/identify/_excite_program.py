@@ -9,6 +9,7 @@ import os
 import pathlib
 import subprocess
 import sys
+import typing
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -24,6 +25,9 @@ from ._model import TwinModel, body_of
 from ._series import POSITION_MARGIN
 from ._yaml import read_yaml
 
+if typing.TYPE_CHECKING:
+    from ..scenario_types import Limits
+
 _NOISE = 0.05
 _WITHOUT = "an arm with its hand, and nothing beside it but the floor"
 _NAMES = ["time", *(f"q{j}" for j in range(1, 8))]
@@ -37,11 +41,11 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--limits", type=pathlib.Path, help="lab whose limits the motion keeps (YAML)")
     parser.add_argument("--seconds", type=float, default=40.0, help="of the motion (default: 40)")
     parser.add_argument("--terms", type=int, default=5, help="harmonics of each joint (default: 5)")
-    parser.add_argument("--speed", type=float, default=0.5, help="share of the joints' limits of velocity, acceleration and jerk (default: 0.5)")
+    parser.add_argument("--speed", type=float, default=0.5, help="share of the joints' limits of rate (default: 0.5)")
     parser.add_argument("--noise", type=float, default=_NOISE, help="standard deviation of tau_J at 1 kHz, Nm (default: 0.05)")
     parser.add_argument("--seed", type=int, default=1, help="of the search (default: 1)")
     parser.add_argument("--out", type=pathlib.Path, help="folder (default: out/excite_KIND)")
-    parser.add_argument("--run", action="store_true", help="run it then; flags that are not named here are those of panda-twin run")
+    parser.add_argument("--run", action="store_true", help="run it then; other flags are those of panda-twin run")
     parser.add_argument("--quiet", action="store_true", help="no table")
     return parser
 
@@ -95,9 +99,11 @@ def robot_of(name: str | None, limits: pathlib.Path | None, kind: str) -> Scenar
         scenario = Scenario.from_yaml(f"name: excite\nscene: scenes/floor.xml\nrobot: {start}\n", "excite")
     else:
         file = pathlib.Path(name)
-        scenario = Scenario.from_yaml(file.read_text(encoding="utf-8"), file) if file.is_file() else Scenario.load(name)
+        is_file = file.is_file()
+        scenario = Scenario.from_yaml(file.read_text(encoding="utf-8"), file) if is_file else Scenario.load(name)
     keys = scenario.to_dict()
-    changes: dict[str, Any] = {"name": f"excite_{kind}", "backend": "mujoco", "description": f"Designed by panda-twin excite --for {kind}.",
+    changes: dict[str, Any] = {"name": f"excite_{kind}", "backend": "mujoco",
+                               "description": f"Designed by panda-twin excite --for {kind}.",
                                "motion": None, "application": None, "render": {"enabled": False}}  # fmt: skip
     changes["robot"] = {"q_start": {"unit": "rad", "values": _start_of(keys)}}
     folder = scenario._loaded.file.parent
@@ -109,10 +115,11 @@ def robot_of(name: str | None, limits: pathlib.Path | None, kind: str) -> Scenar
         return scenario
     own = scenario.to_dict().get("limits", {})
     try:
-        lab = scenario.replace(remove="limits").replace(limits=_limits_of(limits)).to_dict()["limits"]  # type: ignore[typeddict-item]
+        section = typing.cast("Limits", _limits_of(limits))
+        lab = scenario.replace(remove="limits").replace(limits=section).to_dict()["limits"]
     except ValueError as error:
         raise ValueError(f"{limits}: {error}") from None
-    return scenario.replace(limits=_merged(own, lab))  # type: ignore[typeddict-item]
+    return scenario.replace(limits=typing.cast("Limits", _merged(own, lab)))
 
 
 def require_start(start: np.ndarray[Any, np.dtype[np.float64]]) -> None:
@@ -149,37 +156,39 @@ def _of_load(expected: Expected, twin: TwinModel) -> list[dict[str, Any]]:
     rows = []
     for axis, at in zip("xyz", centre):
         value = math.hypot(sd[f"load.h{axis}"], at * sd["load.m"]) / mass
-        rows.append({"key": f"load.centre.{axis}", "text": f"centre of a load of {mass:g} kg, {axis}", "unit": "m", "law": "plain", "sd": _told(value)})
+        text = f"centre of a load of {mass:g} kg, {axis}"
+        rows.append({"key": f"load.centre.{axis}", "text": text, "unit": "m", "sd": _told(value)})
     return rows
 
 
 def expectation(kind: str, found: Design, twin: TwinModel, noise: float) -> dict[str, Any]:
-    """What `expected.json` holds: standard deviations, null where the motion cannot tell; of friction, by both of its laws."""
+    """What `expected.json` holds: standard deviations, null where the motion cannot tell, by both laws of friction."""
     rows = rows_of_series(found.series, found.coefficients, twin)
-    laws = {"plain": False, "sigmoid": True} if kind == "friction" else {"plain": False}
     parameters: list[dict[str, Any]] = []
     conditions = {}
-    for law, smooth in laws.items():
+    for law, smooth in (("plain", False), ("sigmoid", True)):
         expected = expected_of(rows, terms_of(kind, smooth), noise)
         conditions[law] = float(f"{expected.condition:.6g}")
-        parameters += [{"key": p.key, "text": p.text, "unit": p.unit, "law": law, "sd": _told(x)} for p, x in zip(expected.parameters, expected.sd)]
-        if kind == "load":
-            parameters += _of_load(expected, twin)
+        pairs = zip(expected.parameters, expected.sd)
+        all_of_it = [{"key": p.key, "text": p.text, "unit": p.unit, "sd": _told(x)} for p, x in pairs]
+        all_of_it += _of_load(expected, twin) if kind == "load" else []
+        parameters += [{**one, "law": law} for one in all_of_it]
     return {"for": kind, "seconds": found.series.seconds, "terms": found.series.terms, "period": found.series.period,
-            "noise": {"tau_J": noise, "unit": "Nm", "rate": "1000 Hz"}, "condition": conditions, "parameters": parameters}  # fmt: skip
+            "noise": {"tau_J": noise, "unit": "Nm", "rate": "1000 Hz"},
+            "condition": conditions, "parameters": parameters}  # fmt: skip
 
 
 def _table(facts: Mapping[str, Any]) -> str:
     lines = []
-    names = {"plain": "viscous + Coulomb + offset", "sigmoid": "the smooth law"}
+    names = {"plain": "viscous + Coulomb + offset", "sigmoid": "the smooth law, about the published one"}
     for law, condition in facts["condition"].items():
-        title = f"friction by {names[law]}" if facts["for"] == "friction" else "fitted together"
-        lines.append(f"{title}: condition number {condition:.1f}; expected standard deviations")
+        lines.append(f"friction by {names[law]}: condition number {condition:.1f}; expected standard deviations")
         for one in facts["parameters"]:
             if one["law"] == law:
                 value = "cannot be told" if one["sd"] is None else f"{one['sd']:.2g} {one['unit']}"
                 lines.append(f"  {one['text']:<56} {value}")
-    lines.append(f"They are of least squares with noise of {facts['noise']['tau_J']:g} Nm on tau_J; what the model leaves out adds to them.")
+    noise = facts["noise"]["tau_J"]
+    lines.append(f"They are of least squares with noise of {noise:g} Nm on tau_J; what the model leaves out adds to them.")
     return "\n".join(lines)
 
 
@@ -222,7 +231,8 @@ def excite(options: argparse.Namespace, run_flags: Sequence[str]) -> None:
     if not options.quiet:
         print(checked[0].rstrip())
         print(_table(facts))
-        print(f"motion    {out / 'trajectory.csv'}\nscenario  {out / 'scenario.yaml'}\nexpected  {out / 'expected.json'}", flush=True)
+        for what, name in (("motion", "trajectory.csv"), ("scenario", "scenario.yaml"), ("expected", "expected.json")):
+            print(f"{what:<9} {out / name}", flush=True)
     if options.run:
         _run(out, run_flags)
 
@@ -231,7 +241,7 @@ def _run(out: pathlib.Path, flags: Sequence[str]) -> None:
     words = [os.fspath(_host.executable), "run", os.fspath(out / "scenario.yaml"), "--out", os.fspath(out / "run"), *flags]
     code = subprocess.run(words).returncode
     if code:
-        raise RuntimeError(f"the run of {out / 'scenario.yaml'} ended with exit code {code}; panda-twin explain {out / 'run'} says why")
+        raise RuntimeError(f"the run ended with exit code {code}; panda-twin explain {out / 'run'} says why")
     print(f"log       {out / 'run' / 'run.mcap'}")
 
 

@@ -1,4 +1,4 @@
-"""What a motion will tell of a robot before it moves: the standard deviation of every parameter that `compare` estimates from its log."""
+"""What a motion will tell before a robot moves: the standard deviation of every parameter that `compare` estimates of it."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Expected:
 
 
 def terms_of(kind: str, smooth: bool = False) -> list[Term]:
-    """What is fitted to a log of that kind of motion. `smooth`: friction by the sigmoid, about the published one."""
+    """What is fitted to a log of that kind. `smooth`: friction by the sigmoid, about the published one."""
     friction: Term = SmoothFriction(ALL, _friction("residual")) if smooth else Friction()
     if kind == "load":
         return [friction, Load()]
@@ -49,8 +49,8 @@ def _motions(series: Series, coefficients: Array, tau_J: Array | None) -> Iterat
         places = np.arange(max(0, begin - overlap), min(n, begin + _BLOCK))
         if len(places) <= 2 * _MARGIN:
             continue
-        t = places * TICK
-        q, dq, ddq, _ = series.at(coefficients, np.clip(t - _REST, 0, series.seconds))
+        t = np.asarray(places * TICK, np.float64)
+        q, dq, ddq, _ = series.at(coefficients, np.asarray(np.clip(t - _REST, 0, series.seconds)))
         tau = np.zeros_like(q) if tau_J is None else tau_J[places]
         yield Motion(t, np.ones(len(t), bool), q, dq, ddq, {"tau_J": tau})
 
@@ -61,15 +61,15 @@ def ticks_of(series: Series) -> int:
 
 
 def rows_of_series(series: Series, coefficients: Array, twin: TwinModel, tau_J: Array | None = None) -> Rows:
-    """The rows that `compare` makes of the motion's log; tau_J (ticks_of(series), 7), Nm, zero without."""
+    """The rows that `compare` makes of the motion's log; tau_J (ticks_of(series), 7), Nm, is 0 by default."""
     return rows_of(_motions(series, coefficients, tau_J), twin)
 
 
 def expected_of(rows: Rows, terms: Sequence[Term], noise: float) -> Expected:
     """Standard deviations of least squares on these rows where each tau_J has white noise of `noise` Nm at 1 kHz.
 
-    Filter and rows are the estimator's: the noise of neighbouring rows is correlated, and counts so. What the estimator would call
-    untold is untold.
+    Filter and rows are the estimator's: the noise of neighbouring rows is correlated, and counts so.
+    What the estimator would call untold is untold.
     """
     parameters = [parameter for term in terms for parameter in term.parameters]
     scale = np.array([parameter.scale for parameter in parameters])

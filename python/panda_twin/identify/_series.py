@@ -1,4 +1,4 @@
-"""Fourier series of seven joints that begin and end at rest in one pose (Swevers et al., IEEE T-RA 1997), within limits of rate."""
+"""Fourier series of seven joints (Swevers et al., IEEE T-RA 1997) that begin and end at rest in one pose, within limits."""
 
 from __future__ import annotations
 
