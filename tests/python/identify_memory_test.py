@@ -1,4 +1,4 @@
-"""An hour's log of each kind, 3.6 million rows: made, then read in blocks by a process of its own whose memory is measured."""
+"""An hour's log of each kind, 3.6 million rows: made, then read in blocks, and compared with the twin, by a process of its own whose memory is measured."""
 
 import pathlib
 import subprocess
@@ -23,11 +23,12 @@ MOST = 500  # MB
 
 READ = """
 import sys, time
-from panda_twin.identify import Recording
+from panda_twin.identify import Recording, compare
 begin = time.monotonic()
 recording = Recording.open(sys.argv[1])
 rows = sum(len(block.t) for block in recording.blocks("q", "dq", "tau_J", *sys.argv[2:]))
 assert rows == recording.rows, (rows, recording.rows)
+compare(sys.argv[1])
 peak = next(int(line.split()[1]) for line in open("/proc/self/status") if line.startswith("VmHWM"))  # ru_maxrss has the parent's
 print(rows, recording.timing.lost, peak // 1024, round(time.monotonic() - begin, 1))
 """
