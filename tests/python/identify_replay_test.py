@@ -114,7 +114,7 @@ class RobotTest(Logs):
 
     def test_holds_where_the_robot_did(self):
         robot, scenario, arrays, rows = self.robots(link={"command_loss": "3 %"})
-        twin = self.follows(robot, scenario, arrays, rows)
+        twin = self.follows(robot, scenario, arrays, rows, tolerance=1e-8)
         self.assertGreater(np.sum(twin["fate"] == "held"), 20)
 
     def test_bridges_rows_that_are_missing(self):
@@ -128,6 +128,20 @@ class RobotTest(Logs):
             return ~gaps
 
         self.follows(*self.robots(keep), tolerance=1e-6)
+
+    def test_aborts_where_the_robot_did(self):
+        recording, scenario = self.log("outage", SCENARIOS / "outage.yaml")
+        robot = Recording.open(self.arrays(recording, "message_id", "q", "dq", "tau_J", "q_c", "q_d", "dq_d"))
+        self.assertEqual(closed_of(robot, scenario).events, ["twin: communication_constraints_violation in cycle 5020"])
+
+    def test_takes_torques(self):
+        recording, scenario = self.log("torque", SCENARIOS / "torque.yaml")
+        arrays = self.arrays(recording, "message_id", "q", "dq", "tau_J", "tau_J_c", "q_d", "dq_d")
+        closed = closed_of(Recording.open(arrays), scenario)
+        self.assertEqual(closed.events, [])
+        self.assertLess(closed.position_largest.max(), 1e-4)
+        del arrays["tau_J_c"]  # what is left is a q_d that stands still
+        self.assertIsNone(closed_of(Recording.open(arrays), scenario))
 
     def test_needs_a_begin_at_rest(self):
         robot, scenario, _, _ = self.robots(lambda fates: np.arange(len(fates)) > 800)

@@ -29,6 +29,7 @@ _LOST = 20  # cycles without a command that end a motion
 _SAME = 1e-10  # rad: a reference that follows its command, or holds its acceleration
 _AT_REST = 0.02  # rad/s
 _JUMP = 1.0  # Nm in a cycle: 1000 Nm/s
+_ANSWERED = 6  # cycles
 
 
 @dataclasses.dataclass
@@ -153,7 +154,7 @@ def _filled(at: Values, values: Floats, ids: Values, is_smooth: bool) -> Floats:
         slope = np.gradient(values, at.astype(float), axis=0)
         bend = slope[a] * span - (values[b] - values[a]), slope[b] * span - (values[b] - values[a])
         line = line + u * (1 - u) * ((1 - u) * bend[0] - u * bend[1])
-    exact: Mask = np.asarray(np.isin(ids, at))
+    exact: Mask = np.asarray(np.isin(ids, at), dtype=np.bool_)
     line[exact] = values[np.searchsorted(at, ids[exact])]
     return line
 
@@ -176,14 +177,14 @@ def _held_in_gaps(known: dict[str, Values], ids: Values, interface: _Interface) 
 
 
 def _there(command: Floats) -> Mask:
-    there: Mask = np.isfinite(command).all(axis=1)
+    there: Mask = np.asarray(np.isfinite(command).all(axis=1), dtype=np.bool_)
     return there
 
 
 def _unfollowed(q_d: Floats, command: Floats) -> Mask:
     """Rows whose reference is not their command, where most are; 20 in a row only where the acceleration was held."""
     there = _there(command)
-    differs: Mask = there & (np.abs(q_d - np.nan_to_num(command)).max(axis=1) > _SAME)
+    differs: Mask = np.asarray(there & (np.abs(q_d - np.nan_to_num(command)).max(axis=1) > _SAME), dtype=np.bool_)
     if differs.sum() * 2 >= there.sum():
         return np.zeros(len(q_d), bool)
     for begin, end in _runs(differs):
@@ -204,12 +205,17 @@ def _is_held(q_d: Floats) -> bool:
 
 
 def _without_idle(torque: Floats) -> Floats:
-    """Torques, NaN where all are zero at once after more than a robot would let them jump: there the motion has ended."""
-    zero = ~torque.any(axis=1)
+    """Torques, NaN where the motion has ended: all are zero at once, or they jump shortly before they end, more than a robot lets them."""
+    zero: Mask = np.asarray(np.abs(torque).max(axis=1) == 0, dtype=np.bool_)
     result = torque.copy()
     for begin, end in _runs(zero):
         if begin == 0 or np.abs(torque[begin - 1]).max() > _JUMP:
             result[begin:end] = np.nan
+    for begin, end in _runs(_there(result)):  # a client answers some states of a motion that it has ended
+        last = max(begin, end - _ANSWERED)
+        jumps = np.flatnonzero(np.abs(np.diff(result[last:end], axis=0)).max(axis=1) > _JUMP)
+        if end < len(result) and len(jumps):
+            result[last + jumps[0] + 1 : end] = np.nan
     return result
 
 
