@@ -26,11 +26,11 @@ enum ExitCode : int {
 /// What the host tells the program. The environment is read in main, and nowhere else.
 struct Host {
   std::filesystem::path executable;
-  std::filesystem::path meshes;    ///< folder panda_description, unless --meshes; empty: sought
-  std::filesystem::path cache;     ///< folder of compiled models
-  std::filesystem::path state;     ///< folder of the user's records of runs; empty: none
-  std::string path;                ///< the search path of programs
-  std::string python = "python3";  ///< which has the Python package
+  std::filesystem::path meshes;  ///< folder panda_description, unless --meshes; empty: sought
+  std::filesystem::path cache;   ///< folder of compiled models
+  std::filesystem::path state;   ///< folder of the user's records of runs; empty: none
+  std::string path;              ///< the search path of programs
+  std::string python;            ///< which has the Python package; empty: sought
 };
 
 using rt::FindProgram;

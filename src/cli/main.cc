@@ -17,9 +17,9 @@
 
 namespace {
 
-std::string Environment(const char* name, const char* usual = "") {
+std::string Environment(const char* name) {
   const char* value = std::getenv(name);
-  return value == nullptr ? usual : value;
+  return value == nullptr ? "" : value;
 }
 
 /// The program's folder in a base folder of the XDG specification: $VARIABLE/panda-twin, else
@@ -68,7 +68,7 @@ int main(int argc, char** argv) {
                .cache = OwnFolder("XDG_CACHE_HOME", ".cache"),
                .state = OwnFolder("XDG_STATE_HOME", ".local/state"),
                .path = Environment("PATH"),
-               .python = Environment("PANDA_TWIN_PYTHON", "python3")},
+               .python = Environment("PANDA_TWIN_PYTHON")},
       .catalogue = {backends, controllers, &devices},
       .log_flags = log_flags,
       .log = log};

@@ -26,6 +26,14 @@ except ImportError as error:
 sys.exit(main(sys.argv[3:]))
 )";
 
+std::string PythonOf(const Host& host) {
+  if (!host.python.empty()) return host.python;
+  const std::filesystem::path own =
+      host.executable.parent_path().parent_path().parent_path() / ".venv/bin/python";
+  std::error_code error;
+  return std::filesystem::exists(own, error) ? own.string() : "python3";
+}
+
 }  // namespace
 
 void AddFlag(const char* flag, const std::string& value, std::vector<std::string>& words) {
@@ -34,15 +42,16 @@ void AddFlag(const char* flag, const std::string& value, std::vector<std::string
 
 void BecomePython(const std::string& module, const std::vector<std::string>& words,
                   const Host& host) {
+  const std::string python = PythonOf(host);
   const std::string folder = (host.executable.parent_path() / "python").string();
-  std::vector<std::string> all{host.python, "-P", "-c", kEntry, module, folder};
+  std::vector<std::string> all{python, "-P", "-c", kEntry, module, folder};
   all.insert(all.end(), words.begin(), words.end());
   std::vector<char*> arguments;
   arguments.reserve(all.size() + 1);
   for (std::string& word : all) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   ::execvp(arguments.front(), arguments.data());
-  throw EnvironmentError(fmt::format("{}: {}; the Python package panda_twin does this", host.python,
+  throw EnvironmentError(fmt::format("{}: {}; the Python package panda_twin does this", python,
                                      std::generic_category().message(errno)));
 }
 
