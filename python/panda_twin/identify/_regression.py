@@ -134,7 +134,8 @@ def _sandwich(X: Array, r: Array, weight: Array, inverse: Array, block: npt.NDAr
         same = block[lag:] == block[:-lag]
         part = scores[lag:][same].T @ scores[:-lag][same]
         meat += (1 - lag / (_LAGS + 1)) * (part + part.T)
+    # As if each joint's rows had to bear all parameters: the noise of neighbouring rows and joints is not independent.
     n, k = len(X), X.shape[2]
-    free = 7 * n / max(7 * n - k, 1)
+    free = n / max(n - k, 1)
     covariance: Array = inverse @ meat @ inverse * free
     return covariance
