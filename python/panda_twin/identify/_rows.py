@@ -110,7 +110,7 @@ def motion_of(block: Block, by_id: bool) -> Motion:
     """
     stamps = block.t
     first, last = int(np.ceil(stamps[0] / TICK - 1e-6)), int(np.floor(stamps[-1] / TICK + 1e-6))
-    t: Array = np.arange(first, last + 1) * TICK
+    t = np.asarray(np.arange(first, last + 1) * TICK, float)
     names = [name for name in block.columns if name not in ("q", "dq")]
     period = float(np.median(np.diff(stamps))) if len(stamps) > 1 else TICK
     if by_id and len(t) == len(stamps):

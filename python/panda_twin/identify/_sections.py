@@ -30,7 +30,7 @@ def torques(comparison: Comparison) -> list[Html]:
         return [*parts, p("The logs hold too little motion to show anything of the torques.")]
     parts.append(
         p(
-            "Measured torque less the twin's inverse dynamics on the measured motion, after a low-pass of 20 Hz."
+            "Measured torque less the twin's inverse dynamics on the measured motion, after a low-pass of 8 Hz."
             + ("" if found.after is not None else " Nothing was identified, so there is one curve.")
         )
     )
