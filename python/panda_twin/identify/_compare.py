@@ -23,7 +23,7 @@ from ._profile import profile_of
 from ._recording import MappingLike, Recording
 from ._regression import fit
 from ._result import Closed, CommandDelay, Comparison, LogFacts, Open, rms
-from ._rows import MOST, Motion, Rows, joined, motions_of, rows_of
+from ._rows import MOST, Motion, Rows, joined, motions_of, rows_of, with_noise
 from ._suspicions import suspicions
 from ._terms import Delay, Friction, Load
 
@@ -114,7 +114,7 @@ class _Comparing:
         rows = self._rows()
         before = residual_of(rows, self.twin) if rows else None
         causes = self._causes(rows, before, all_motions) if rows is not None and before is not None else []
-        found = identify(rows, self.twin, self.kinds) if rows and self.kinds else None
+        found = identify(with_noise(rows, all_motions, self.twin), self.twin, self.kinds) if rows and self.kinds else None
         if found:
             self.untold += found.untold
         delay = self._command_delay()

@@ -76,7 +76,7 @@ def expected_of(rows: Rows, terms: Sequence[Term], noise: float) -> Expected:
     X = np.concatenate([term.at(rows, term.start())[1] for term in terms], axis=2) * scale
     share = np.sqrt((rows._fast[0][1].power(2)).sum(axis=1).max())  # of the noise that passes the filter
     weight = np.full(X.shape[:2], 1 / (share * noise) ** 2)
-    _, inverse, told = _solve(X, np.zeros(X.shape[:2]), weight)
+    _, inverse, told = _solve(X, np.zeros(X.shape[:2]), weight, None)
     meat = np.zeros_like(inverse)
     begin = 0
     for _, low_pass in rows._fast:

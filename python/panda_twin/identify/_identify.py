@@ -142,7 +142,8 @@ def identify(rows: Rows, twin: TwinModel, kinds: set[str]) -> Identified:
         untold += [f"{p.text} (the motion does not excite it)" for p, told in zip(estimate.parameters, estimate.told) if not told]
         held_out = _judge(rows, torque, terms, twin)
         friction = _friction_of(estimate) if "friction" in kinds else None
-        load = nearest_feasible(_part(estimate, "load"), np.zeros(10), 1) if "load" in kinds else None
+        if any(told and p.key.startswith("load") for p, told in zip(estimate.parameters, estimate.told)):
+            load = nearest_feasible(_part(estimate, "load"), twin.load, 1)
         if "inertia" in kinds:
             links = _links_of(estimate, twin)
         if "delay" in kinds and np.isfinite(value := estimate.of("plant.delay")[0]):
@@ -271,7 +272,7 @@ def _stiffness(rows: Rows, estimates: list[Estimate], untold: list[str]) -> Arra
         tau[:, joint, 7 + joint] = 1
     parameters = [Parameter(f"plant.elasticity[{i}]", f"compliance of joint {i + 1}", "rad/Nm", 1e-3) for i in ALL]
     parameters += [Parameter(f"theta.offset[{i}]", f"offset of theta of joint {i + 1}", "rad", 0.1) for i in ALL]
-    estimate = fit(rows, twist, [Columns("elasticity", tau, parameters)])
+    estimate = fit(dataclasses.replace(rows, noise=None), twist, [Columns("elasticity", tau, parameters)])
     estimates.append(estimate)
     with np.errstate(divide="ignore", invalid="ignore"):
         stiffness: Array = np.where(estimate.values[:7] > 0, 1 / estimate.values[:7], np.nan)
@@ -288,7 +289,7 @@ def _armature(rows: Rows, estimates: list[Estimate], untold: list[str]) -> Array
         columns[:, joint, joint] = rows.ddq[:, joint]
     rotor = Columns("armature", columns, [Parameter(f"plant.armature[{i}]", f"armature of joint {i + 1}", "kg m^2", 0.5) for i in ALL])
     # Friction of motor and gear that the robot does not make up for is in the same difference.
-    estimate = fit(rows, rows.beside["tau_J_d"] - rows.tau_at(0.0), [rotor, Friction()])
+    estimate = fit(dataclasses.replace(rows, noise=None), rows.beside["tau_J_d"] - rows.tau_at(0.0), [rotor, Friction()])
     estimates.append(estimate)
     untold += [p.text for p, told in zip(estimate.parameters[:7], estimate.told) if not told]
     return np.maximum(estimate.values[:7], 0)

@@ -19,6 +19,7 @@ QUANTILE = 1.959964
 _HUBER = 2.5  # standard deviations: beyond, a residual counts by its size, not its square
 _LAGS = 8  # rows: residuals further apart count as independent
 _STEPS = 20
+_NOISY = 0.02  # of the information in a direction, at most, may be noise: as large is the share by which it is underestimated
 _LEAST_SD = 1e-5  # Nm: below this, arithmetic is what is fitted
 
 
@@ -82,7 +83,7 @@ def fit(rows: Rows, torque: Array, terms: Sequence[Term], use: npt.NDArray[np.bo
         r = residual[counted]
         sigma = spread_of(r)
         weight = np.minimum(1, _HUBER / np.maximum(np.abs(r) / sigma, 1e-12)) / sigma**2
-        change, inverse, told = _solve(X, r, weight)
+        change, inverse, told = _solve(X, r, weight, _by_noise(rows, terms, theta, scale, sigma))
         cost = float(np.sum(weight * r**2))
         while np.any(np.abs(change) > 1e-6) and _cost(rows, torque, terms, theta + change * scale, weight, counted) > cost * (1 + 1e-9):
             change = change / 2
@@ -114,16 +115,35 @@ def _cost(rows: Rows, torque: Array, terms: Sequence[Term], theta: Array, weight
     return float(np.sum(weight * (torque - _evaluate(rows, terms, theta)[0])[counted] ** 2))
 
 
-def _solve(X: Array, r: Array, weight: Array) -> tuple[Array, Array, npt.NDArray[np.bool_]]:
-    """A step, the inverse of the normal matrix where the rows tell something, and which parameters they tell."""
+def _by_noise(rows: Rows, terms: Sequence[Term], theta: Array, scale: Array, sigma: Array) -> Array | None:
+    """The part of the normal matrix that the sensors' noise alone makes."""
+    if rows.noise is None:
+        return None
+    part, shaken = (_evaluate(some, terms, theta)[1] * scale for some in rows.noise)
+    difference = ((part - shaken) / sigma[:, None]).reshape(-1, len(scale))
+    return np.asarray(difference.T @ difference * (len(rows) / len(part)))
+
+
+def _solve(X: Array, r: Array, weight: Array, by_noise: Array | None) -> tuple[Array, Array, npt.NDArray[np.bool_]]:
+    """A step, the inverse of the normal matrix where the rows tell something, and which parameters they tell.
+
+    A direction that is excited by noise more than by the motion is not told: least squares would find too little of it.
+    """
     flat = (X * np.sqrt(weight)[:, :, None]).reshape(-1, X.shape[2])
     right = (r * np.sqrt(weight)).ravel()
     A = flat.T @ flat
     values, vectors = np.linalg.eigh(A)
     # In units of scales: a direction whose standard deviation would be a hundred scales is not there.
     kept = values > max(1e-4, 1e-13 * values[-1])
-    inverse = (vectors[:, kept] / values[kept]) @ vectors[:, kept].T
-    lost = np.sum(vectors[:, ~kept] ** 2, axis=1)
+    dropped = vectors[:, ~kept]
+    white = vectors[:, kept] / np.sqrt(values[kept])  # A becomes the identity
+    if by_noise is not None:
+        share, axes = np.linalg.eigh(white.T @ by_noise @ white)
+        noisy = white @ axes[:, share > _NOISY]
+        dropped = np.concatenate([dropped, noisy / np.maximum(np.linalg.norm(noisy, axis=0), 1e-300)], axis=1)
+        white = white @ axes[:, share <= _NOISY]
+    inverse = white @ white.T
+    lost = np.sum(np.linalg.qr(dropped)[0] ** 2, axis=1) if dropped.shape[1] else np.zeros(len(A))
     return inverse @ (flat.T @ right), inverse, lost < 1e-3
 
 

@@ -32,6 +32,7 @@ _MARGIN = _EDGE + _HALF + int(_SHIFTS[-1]) + 2
 _FUSED = (2.0, 20.0)  # Hz: below a frequency in this range the slope of q counts, above it dq
 _GAP = 0.012  # s: a longer gap is not bridged
 _BLOCK = 10.0  # s
+_SHAKEN = 3
 MOST = 300.0
 """Of a longer log, as many seconds are looked at, in blocks spread over all of it."""
 _TAPS: Array = firwin(2 * _HALF + 1, _CUTOFF, fs=1 / TICK)
@@ -51,6 +52,19 @@ class Motion:
     ddq: Array
     others: dict[str, Array]
     """Further columns, on the same grid."""
+    measured_dq: Array | None = None
+    """dq as the log has it."""
+
+    def shaken(self, random: np.random.Generator) -> Motion:
+        """Return the motion with the sensors' noise once more: what differs is what noise alone makes of it."""
+        def again(values: Array) -> Array:
+            return values + noise_of(values) * random.standard_normal(values.shape)
+
+        q = again(self.q)
+        measured = None if self.measured_dq is None else again(self.measured_dq)
+        dq = _velocity(q, measured)
+        others = {name: again(values) if values.ndim == 2 else values for name, values in self.others.items()}
+        return Motion(self.t, self.is_whole, q, dq, _acceleration(dq), others, measured)
 
     def places(self) -> npt.NDArray[np.intp]:
         """Ticks at which a row can be made: those whose filter meets no gap."""
@@ -102,6 +116,11 @@ def _velocity(q: Array, dq: Array | None) -> Array:
     return np.asarray(dq + sosfiltfilt(low, slope - dq, axis=0))
 
 
+def _acceleration(dq: Array) -> Array:
+    """What leads from one tick to the next belongs to the earlier tick's q and dq: plant and robot alike sample after it."""
+    return np.asarray(np.diff(dq, axis=0, append=dq[-1:]) / TICK)
+
+
 def motion_of(block: Block, by_id: bool) -> Motion:
     """Bring a block of a log onto a grid of 1 ms.
 
@@ -127,10 +146,9 @@ def motion_of(block: Block, by_id: bool) -> Motion:
     gap = stamps[after] - stamps[after - 1]
     exact = np.abs(stamps[np.clip(np.searchsorted(stamps, t - 1e-9), 0, len(stamps) - 1)] - t) < 1e-6
     is_whole = (gap <= max(_GAP, 4 * period)) | exact
-    dq = _velocity(q, on_grid(block.columns["dq"]) if "dq" in block.columns else None)
-    # The acceleration that leads from one tick to the next belongs to the earlier tick's q and dq (plant and robot alike sample after it).
-    ddq: Array = np.diff(dq, axis=0, append=dq[-1:]) / TICK
-    return Motion(t, is_whole, q, dq, ddq, {name: on_grid(block.columns[name]) for name in names})
+    measured = on_grid(block.columns["dq"]) if "dq" in block.columns else None
+    dq = _velocity(q, measured)
+    return Motion(t, is_whole, q, dq, _acceleration(dq), {name: on_grid(block.columns[name]) for name in names}, measured)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -154,6 +172,8 @@ class Rows:
     tau_at: CubicSpline
     """tau_at(delay) is (n, 7): torques measured a delay (s) after each row, filtered."""
     _fast: tuple[tuple[Array, csr_array], ...]  # of each block: dq at 1 kHz, the filter
+    noise: tuple[Rows, Rows] | None = None
+    """Some of the rows, and the same ones of the shaken motion."""
 
     def __len__(self) -> int:
         return len(self.t)
@@ -219,7 +239,7 @@ def rows_of(motions: Iterable[Motion], twin: TwinModel, name: str = "the log") -
         fast.append((motion.dq, low_pass))
     if not parts:
         raise ValueError(f"{name}: no 0.9 s in a row without a gap longer than 12 ms; nothing can be compared")
-    whole = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    whole: dict[str, Any] = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     tau_at = CubicSpline(_SHIFTS * TICK, whole.pop("tau"), axis=2)
     others = {name: np.concatenate([part[name] for part in beside]) for name in beside[0]}
     return Rows(**whole, beside=others, tau_at=tau_at, _fast=tuple(fast))
@@ -233,9 +253,18 @@ def joined(parts: Sequence[Rows]) -> Rows:
     for part in parts:
         blocks.append(part.block + ends)
         ends += int(part.block.max()) + 1
-    whole = {name: np.concatenate([getattr(part, name) for part in parts]) for name in ("t", "q", "dq", "ddq", "Y", "tilt")}
+    whole: dict[str, Any] = {name: np.concatenate([getattr(part, name) for part in parts]) for name in ("t", "q", "dq", "ddq", "Y", "tilt")}
     names = set.intersection(*(set(part.beside) for part in parts))
     beside = {name: np.concatenate([part.beside[name] for part in parts]) for name in names}
     delays = parts[0].tau_at.x
     tau_at = CubicSpline(delays, np.concatenate([np.stack([part.tau_at(x) for x in delays], axis=2) for part in parts]), axis=2)
     return Rows(**whole, block=np.concatenate(blocks), beside=beside, tau_at=tau_at, _fast=sum((part._fast for part in parts), ()))
+
+
+def with_noise(rows: Rows, motions: Sequence[Motion], twin: TwinModel) -> Rows:
+    """Rows that know what the sensors' noise makes of them, from one stretch in `_SHAKEN`."""
+    random = np.random.default_rng(1)
+    chosen = [motion for motion in motions[::_SHAKEN] if len(motion.places())]
+    if not chosen:
+        return rows
+    return dataclasses.replace(rows, noise=(rows_of(chosen, twin), rows_of([motion.shaken(random) for motion in chosen], twin)))

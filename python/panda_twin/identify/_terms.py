@@ -49,15 +49,15 @@ class _Linear:
     parameters: list[Parameter]
 
     def __init__(self) -> None:
-        self._made: tuple[Rows, Array] | None = None
+        self._made: dict[int, tuple[Rows, Array]] = {}  # the rows, so that no other ones get their id
 
     def start(self) -> Array:
         return np.zeros(len(self.parameters))
 
     def at(self, rows: Rows, values: Array) -> tuple[Array, Array]:
-        if self._made is None or self._made[0] is not rows:
-            self._made = rows, self.columns(rows)
-        columns = self._made[1]
+        if id(rows) not in self._made:
+            self._made[id(rows)] = rows, self.columns(rows)
+        columns = self._made[id(rows)][1]
         return columns @ values, columns
 
     def columns(self, rows: Rows) -> Array:
