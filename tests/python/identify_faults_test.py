@@ -142,6 +142,6 @@ class Faults(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    arguments = [int(x) for x in sys.argv[1:]]
+    arguments = [int(x) for x in sys.argv[1:] if x.isdigit()]
     FAULTS, FIRST = arguments + [FAULTS, FIRST][len(arguments) :]
     unittest.main(argv=sys.argv[:1])

@@ -65,6 +65,6 @@ class Recovery(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    arguments = [int(x) for x in sys.argv[1:]]
+    arguments = [int(x) for x in sys.argv[1:] if x.isdigit()]
     ROBOTS, FIRST = arguments + [ROBOTS, FIRST][len(arguments) :]
     unittest.main(argv=sys.argv[:1])

@@ -39,7 +39,7 @@ def ours():
     found["Coulomb", "residual"] = residual[1]
     found["viscous", "residual"], found["offset", "residual"] = residual[0], residual[2]
     found["break-away", "breakaway"], found["viscous", "breakaway"] = breakaway[1], breakaway[0]
-    found["armature", "plant"] = constant("src/plant/joint_parameters.h", "kArmature")
+    found["armature", "plant"] = constant("include/twin/plant/arm_properties.h", "kArmature")
     return found
 
 
