@@ -41,7 +41,9 @@ Matrix RootOf(const Matrix& matrix, const YamlNode& node) {
 Matrix MatrixIn(const YamlNode& node, std::size_t size) {
   Matrix matrix;
   for (const YamlNode& row : node.Items()) {
-    scenario::List(matrix.emplace_back(), [](double& x) { return Number(x, -1e18, 1e18); }).read(row);
+    scenario::List(matrix.emplace_back(), [](double& x) {
+      return Number(x, -1e18, 1e18);
+    }).read(row);
     if (matrix.back().size() != size) row.Fail(fmt::format("needs {} numbers", size));
   }
   if (matrix.size() != size) node.Fail(fmt::format("needs {} rows, one for each key", size));
