@@ -40,6 +40,17 @@ void AddFlag(const char* flag, const std::string& value, std::vector<std::string
   if (!value.empty()) words.push_back(fmt::format("{}={}", flag, value));
 }
 
+CLI::Option* HandedOver::Add(CLI::App& command, const std::string& form, const char* text) {
+  return cli::Add(command, form, values_[form.substr(0, form.find(' '))], text);
+}
+
+std::vector<std::string> HandedOver::Words(const Program& program) const {
+  std::vector<std::string> words = positionals;
+  for (const auto& [flag, value] : values_) AddFlag(flag.c_str(), value, words);
+  if (program.is_quiet()) words.emplace_back("--quiet");
+  return words;
+}
+
 void BecomePython(const std::string& module, const std::vector<std::string>& words,
                   const Host& host) {
   const std::string python = PythonOf(host);

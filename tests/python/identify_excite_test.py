@@ -12,8 +12,8 @@ import numpy as np
 
 import panda_twin
 from panda_twin import model
-from panda_twin.identify import _excite_program
-from panda_twin.identify._expected import KINDS, expected_of, terms_of
+from panda_twin.identify.excite import _program
+from panda_twin.identify.excite._expected import KINDS, expected_of, terms_of
 from panda_twin.identify._model import TwinModel
 from panda_twin.identify._regression import fit
 from panda_twin.identify._rows import Motion, rows_of
@@ -37,7 +37,7 @@ def call(*words):
     """Exit code, and what it printed and complained."""
     out, err = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-        code = _excite_program.main(list(words))
+        code = _program.main(list(words))
     return code, out.getvalue(), err.getvalue()
 
 

@@ -168,7 +168,7 @@ class RecordingTest(LogsCase):
             (ns + 40_000_000, make(header(ns), JOINTS, one.position, one.velocity, one.effort)) for ns, one in messages
         ]  # recorded later
         path = bag(self.folder / "large", {"/joint_states": (kind, messages), "/desired_joint_states": (kind, desired)})
-        with unittest.mock.patch("panda_twin.identify._bags._KEPT", 0):
+        with unittest.mock.patch("panda_twin.identify.logs._bags._KEPT", 0):
             recording = Recording.open(path)
             t, q, q_d, tau_J = whole(recording, "q", "q_d", "tau_J", seconds=1.7)
         self.assertEqual((recording.rows, len(t)), (9000, 9000))

@@ -10,7 +10,7 @@ import numpy as np
 import panda_twin
 from panda_twin.identify._closed import closed_of, external_of
 from panda_twin.identify._observer import ExternalTorque, external_torque
-from panda_twin.identify._recording import Recording
+from panda_twin.identify.logs._recording import Recording
 from panda_twin.identify._replay import replay
 
 SCENARIOS = pathlib.Path(__file__).parents[2] / "models/scenarios"

@@ -23,11 +23,11 @@ from made_comparison import (
     with_nan,
 )
 
-from panda_twin.identify import _plots, _summary
+from panda_twin.identify.report import _plots, _summary
 from panda_twin.identify._causes import Cause
 from panda_twin.identify._demand import judge, read_demand
 from panda_twin.identify._identify import Identified
-from panda_twin.identify._report import tell, write_report
+from panda_twin.identify.report._report import tell, write_report
 from panda_twin.identify._result import CommandDelay, External, Open
 from panda_twin.identify._terms import Parameter
 

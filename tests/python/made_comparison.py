@@ -12,7 +12,7 @@ from panda_twin.identify._model import body_parameters
 from panda_twin.identify._regression import Estimate
 from panda_twin.identify._result import Closed, CommandDelay, Comparison, External, LogFacts, Open, rms
 from panda_twin.identify._terms import ALL, Delay, Load, Parameter, _friction_parameters
-from panda_twin.identify._timing import Timing
+from panda_twin.identify.logs._timing import Timing
 
 COULOMB = np.array([0.25, 0.4, 0.62, 0.5, 0.3, 0.12, 0.2])
 

@@ -14,7 +14,7 @@ from ._result import Closed, External
 
 if TYPE_CHECKING:
     from ..scenario import Scenario
-    from ._recording import Block, Recording
+    from .logs._recording import Block, Recording
 
 Array: TypeAlias = npt.NDArray[np.float64]
 

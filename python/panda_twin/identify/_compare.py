@@ -20,12 +20,12 @@ from ._identify import KINDS, Identified, identify
 from ._mistakes import mistake_of
 from ._model import TwinModel
 from ._profile import profile_of
-from ._recording import MappingLike, Recording
 from ._regression import fit
 from ._result import Closed, CommandDelay, Comparison, LogFacts, Open, rms
 from ._rows import MOST, Motion, Rows, joined, motions_of, rows_of, with_noise
-from ._suspicions import suspicions
 from ._terms import Delay, Friction, Load
+from .logs._recording import MappingLike, Recording
+from .logs._suspicions import suspicions
 
 Array: TypeAlias = npt.NDArray[np.float64]
 LogLike = str | os.PathLike[str] | Mapping[str, Any] | RunResult

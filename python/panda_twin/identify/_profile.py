@@ -20,8 +20,8 @@ from ._yaml import yaml_text
 
 if TYPE_CHECKING:
     from ._identify import Identified
-    from ._recording import Recording
     from ._rows import Motion
+    from .logs._recording import Recording
 
 Array: TypeAlias = npt.NDArray[np.float64]
 

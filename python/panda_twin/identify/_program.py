@@ -32,7 +32,7 @@ def main(arguments: list[str]) -> int:
         try:
             from ._compare import compare
             from ._profile import write_profile
-            from ._report import tell, write_report
+            from .report._report import tell, write_report
         except ImportError as error:
             raise ImportError(f"{error}; compare needs numpy and scipy, matplotlib for its report, and PyYAML: pip install 'panda-twin[identify]'") from None
         kinds = [kind.strip() for kind in options.identify.split(",") if kind.strip()]

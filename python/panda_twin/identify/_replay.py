@@ -14,7 +14,7 @@ from ._robot_commands import COMMAND, COMMAND_SIZE, INTERFACES, RECOVER, START, 
 
 if TYPE_CHECKING:
     from ..scenario import Scenario
-    from ._recording import Recording
+    from .logs._recording import Recording
 
 _STATE = {"q": slice(0, 7), "dq": slice(7, 14), "tau_J": slice(14, 21), "q_d": slice(21, 28), "dq_d": slice(28, 35),
           "tau_ext_hat_filtered": slice(35, 42), "O_F_ext_hat_K": slice(42, 48)}  # fmt: skip

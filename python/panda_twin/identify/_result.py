@@ -11,7 +11,7 @@ import numpy.typing as npt
 from ._causes import Cause
 from ._demand import Item
 from ._identify import Identified
-from ._timing import Timing
+from .logs._timing import Timing
 
 if TYPE_CHECKING:
     from ..scenario import Scenario

@@ -16,7 +16,7 @@ from .. import _core
 
 if TYPE_CHECKING:
     from ._model import TwinModel
-    from ._recording import Block, Recording
+    from .logs._recording import Block, Recording
 
 Array: TypeAlias = npt.NDArray[np.float64]
 

@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import numpy.typing as npt
 
-from .. import model
+from ... import model
 from ._recording import Block
 
 Floats = npt.NDArray[np.float64]

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from .._foreign_logs import import_rosbags
-from ..scenario import Scenario
+from ..._foreign_logs import import_rosbags
+from ...scenario import Scenario
 from . import _ros
 from ._cdr import Messages, layout
 from ._mapping import FR3, TEXTS, WIDTHS, shortened

@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .._demand import KINDS
+from .._yaml import yaml_text
 from . import _plots
-from ._demand import KINDS
 from ._estimates import estimates_section
 from ._html import Cell, Cells, Html, bullets, document, escaped, folded, h2, h3, p, pre, table
 from ._sections import closed, external, timing, torques
 from ._summary import headline, in_detail, number, percent, plain, untold_of, values_after, values_before
-from ._yaml import yaml_text
 
 if TYPE_CHECKING:
-    from ._demand import Item
-    from ._result import Comparison, LogFacts
+    from .._demand import Item
+    from .._result import Comparison, LogFacts
 
 _JOINTS = range(7)
 _JOINT_HEADS: list[str | Cell] = [f"joint {i + 1}" for i in _JOINTS]

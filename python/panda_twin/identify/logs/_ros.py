@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from .._foreign_logs import _arm_of
+from ..._foreign_logs import _arm_of
 from ._cdr import Layout, Messages
 from ._mapping import TEXTS, WIDTHS
 

@@ -9,11 +9,11 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from .._identify import base_of_links
+from .._model import STEEP, TwinModel, _friction
+from .._rows import regressor
 from ._clearance import Clearance
 from ._expected import KINDS, terms_of
-from ._identify import base_of_links
-from ._model import STEEP, TwinModel, _friction
-from ._rows import regressor
 from ._series import POSITION_MARGIN, RAMP, JointBounds, Series, basis
 
 Array: TypeAlias = npt.NDArray[np.float64]

@@ -10,8 +10,8 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from .. import _core
-from ._yaml import read_yaml
+from ... import _core
+from .._yaml import read_yaml
 
 _TEXTS = ("fate", "robot_mode", "motion_generator_mode", "controller_mode", "errors", "reflex_reason", "violation")
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..scenario import Scenario
+from ...scenario import Scenario
 from ._formats import of_arrays, of_file
 from ._mapping import MAY_BE_NAN, TEXTS, load, missing, shortened
 from ._readers import Chunk, Source

@@ -18,8 +18,8 @@ from scipy.signal import welch  # type: ignore[import-untyped]
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from ._result import Closed, CommandDelay, Open
-    from ._timing import Timing
+    from .._result import Closed, CommandDelay, Open
+    from ..logs._timing import Timing
 
 Array: TypeAlias = npt.NDArray[np.float64]
 

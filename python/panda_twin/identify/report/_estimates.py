@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from .._regression import QUANTILE
 from ._html import Cell, Cells, Html, folded, h2, h3, p, table
-from ._regression import QUANTILE
 from ._summary import group_of, interval, number
 
 if TYPE_CHECKING:
-    from ._identify import Identified
-    from ._regression import Estimate
+    from .._identify import Identified
+    from .._regression import Estimate
 
 Array: TypeAlias = npt.NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from ._summary import headline, in_detail, number, percent, summary, untold_of, values_after, values_before
 
 if TYPE_CHECKING:
-    from ._result import Comparison
+    from .._result import Comparison
 
 _WIDTH = 240
 

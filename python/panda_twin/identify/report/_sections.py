@@ -11,7 +11,7 @@ from ._html import Cell, Cells, Html, bullets, figure, h2, h3, p, table
 from ._summary import number
 
 if TYPE_CHECKING:
-    from ._result import Closed, Comparison
+    from .._result import Closed, Comparison
 
 _JOINT_HEADS: list[str | Cell] = [f"joint {i + 1}" for i in range(7)]
 _PAPER = (

@@ -6,7 +6,7 @@ import pathlib
 from collections.abc import Mapping
 from typing import Any
 
-from .. import _core
+from ... import _core
 from ._mapping import ColumnMap, automatic, shortened
 from ._readers import OwnLog, Source, is_libfranka, is_panda_py, libfranka, mapped, panda_py
 from ._tables import ArraysTable, CsvTable, NpzTable, ParquetTable, Table

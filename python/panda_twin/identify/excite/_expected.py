@@ -9,12 +9,12 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from ._identify import base_of_links
-from ._model import TwinModel, _friction
-from ._regression import QUANTILE, _solve
-from ._rows import _MARGIN, ROW, TICK, Motion, Rows, rows_of
+from .._identify import base_of_links
+from .._model import TwinModel, _friction
+from .._regression import QUANTILE, _solve
+from .._rows import _MARGIN, ROW, TICK, Motion, Rows, rows_of
+from .._terms import ALL, Friction, Inertia, Load, Parameter, SmoothFriction, Term
 from ._series import Series
-from ._terms import ALL, Friction, Inertia, Load, Parameter, SmoothFriction, Term
 
 Array: TypeAlias = npt.NDArray[np.float64]
 

@@ -15,18 +15,18 @@ from typing import Any
 
 import numpy as np
 
-from .. import _host, model
-from .._command import exit_code_of
-from ..scenario import Scenario, validate
+from ... import _host, model
+from ..._command import exit_code_of
+from ...scenario import Scenario, validate
+from .._model import TwinModel, body_of
+from .._yaml import read_yaml
 from ._clearance import Clearance
 from ._excite import Design, bounds_of, design, freed, series_for
 from ._expected import Expected, expected_of, rows_of_series, terms_of
-from ._model import TwinModel, body_of
 from ._series import POSITION_MARGIN
-from ._yaml import read_yaml
 
 if typing.TYPE_CHECKING:
-    from ..scenario_types import Limits
+    from ...scenario_types import Limits
 
 _NOISE = 0.05
 _WITHOUT = "an arm with its hand, and nothing beside it but the floor"

@@ -11,9 +11,9 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from .._foreign_logs import _LIBFRANKA_COMMANDS
-from .._log import Log
-from ..scenario import Scenario
+from ..._foreign_logs import _LIBFRANKA_COMMANDS
+from ..._log import Log
+from ...scenario import Scenario
 from ._mapping import FR3, TEXTS, WIDTHS, Column, ColumnMap, resolve, shortened
 from ._tables import Table
 

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from ._demand import TORQUE_LIMITS, judge
-from ._regression import QUANTILE
-from ._result import rms
+from .._demand import TORQUE_LIMITS, judge
+from .._regression import QUANTILE
+from .._result import rms
 
 if TYPE_CHECKING:
-    from ._demand import Item
-    from ._regression import Estimate
-    from ._result import Closed, Comparison, LogFacts
+    from .._demand import Item
+    from .._regression import Estimate
+    from .._result import Closed, Comparison, LogFacts
 
 Array: TypeAlias = npt.NDArray[np.float64]
 

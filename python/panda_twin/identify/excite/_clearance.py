@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from .. import model
+from ... import model
 
 Array: TypeAlias = npt.NDArray[np.float64]
 
