@@ -70,7 +70,7 @@ class LabTest(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
 
     def test_a_lab_of_weight_does_not_go_with_the_ideal_plant(self):
-        self.assert_refused(self.run_at("a"), "leave mass_scale and base_tilt out")
+        self.assert_refused(self.run_at("a"), "leave mass_scale, base_tilt, links, delay and a law of friction out")
 
 
 if __name__ == "__main__":
