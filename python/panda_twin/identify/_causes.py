@@ -94,7 +94,9 @@ def _delay(twin: TwinModel) -> _Candidate:
 def _load(twin: TwinModel) -> _Candidate:
     def tell(e: Estimate) -> tuple[str, str]:
         mass, centre, _ = body_of(np.nan_to_num(twin.load + np.nan_to_num(e.values)))
-        words = f"the flange carries {_between(e.values[0], e.sd[0], 'kg')} that the twin does not"
+        more = float(np.nan_to_num(e.values[0]))
+        who, other = ("the flange", "the twin") if more >= 0 else ("the twin", "the robot")
+        words = f"{who} carries {_between(abs(more), e.sd[0], 'kg')} that {other} does not"
         return words, f"robot: {{load: {{mass: {max(mass, 0):.3f} kg, position: {_values(centre, ' m')}}}}}"
 
     return _Candidate(Load(), tell)

@@ -32,6 +32,7 @@ LogLike = str | os.PathLike[str] | Mapping[str, Any] | RunResult
 
 _PANDA: Any = {"name": "panda", "robot": {"q_start": {"unit": "rad", "values": model.Q_READY.tolist()}}}
 _BESIDE = ("tau_J", "theta", "tau_J_d")
+_IMPOSSIBLE = 1e6
 _EXPLAINED = 0.95  # of the squared residual
 _LARGE = 0.1  # of the measured torques: a smaller residual is not due to columns that are others than said
 _MOST_CYCLES = 20  # of a delay between command and motion
@@ -78,6 +79,9 @@ def compare(
     if unknown:
         raise ValueError(f"{', '.join(sorted(unknown))} cannot be identified; choose of {', '.join(KINDS)}")
     wanted = read_demand(demand)
+    files = [os.path.realpath(log) for log in logs if isinstance(log, (str, os.PathLike))]
+    if twice := next((file for file in files if files.count(file) > 1), None):
+        raise ValueError(f"{twice} is named twice; a log counts once")
     recordings = [Recording.open(log.folder if isinstance(log, RunResult) else log, mapping) for log in logs]
     for recording in recordings:
         if "q" not in recording.columns:
@@ -94,6 +98,16 @@ def _twin_of(recordings: Sequence[Recording], against: ScenarioLike | None) -> S
     return own.replace({"backend": "mujoco"}) if own.to_dict().get("backend") == "fci" else own
 
 
+def _require_possible(name: str, motions: Sequence[Motion]) -> None:
+    """Raise ValueError for numbers that are no robot's in any unit."""
+    for motion in motions:
+        for column, values in (("q", motion.q), ("dq", motion.dq), *motion.others.items()):
+            most = float(np.max(np.abs(values)))
+            if not most < _IMPOSSIBLE:
+                at = motion.t[int(np.argmax(np.max(np.abs(values), axis=1)))]
+                raise ValueError(f"{name}: {column} is {most:.3g} at {at:.3f} s, which no robot has in any unit; remove the row, or leave {column} out")
+
+
 class _Comparing:
     """The steps of a comparison."""
 
@@ -105,6 +119,8 @@ class _Comparing:
         self.notes: list[str] = []
         self.untold: list[str] = []
         self.motions = [list(motions_of(r, *(set(_BESIDE) & r.columns))) for r in recordings]
+        for recording, motions in zip(recordings, self.motions):
+            _require_possible(recording.name, motions)
         for recording in recordings:
             if recording.seconds > MOST:
                 self.notes.append(f"{recording.name} is {recording.seconds:.0f} s long: torques of {MOST:.0f} s, spread over all of it, are compared")
@@ -118,7 +134,9 @@ class _Comparing:
         if found:
             self.untold += found.untold
         delay = self._command_delay()
-        profile = profile_of(self.recordings, all_motions, found, delay, self.twin.load) if found else None
+        facts = [self._facts(r) for r in self.recordings]
+        doubts = [text for one in facts for text in one.suspicions]
+        profile = profile_of(self.recordings, all_motions, found, delay, self.twin.load, doubts) if found else None
         after_twin = self._identified(found)
         after = residual_of(rows, after_twin) if rows and found else None
         closed, closed_after = self._closed(profile)
@@ -126,11 +144,14 @@ class _Comparing:
         values = self._found(rows, before, closed, external.torque_rms if external else None)
         torques = Open(rows.t, rows.q, rows.dq, rows.tau_at(0.0), before, after) if rows is not None and before is not None else None
         return Comparison(
-            [self._facts(r) for r in self.recordings], self.scenario, torques, causes, found,
+            facts, self.scenario, torques, causes, found,
             closed, closed_after, external, delay, values, judge(demand, values), self.untold + self.notes, profile,
         )  # fmt: skip
 
     def _causes(self, rows: Rows, before: Array, motions: Sequence[Motion]) -> list[Cause]:
+        if self.scenario.to_dict().get("plant", {}).get("kind") == "ideal":
+            self.notes.append("what makes the torques differ: the twin's plant is ideal, an arm without friction that does what its controller wants")
+            return []
         causes = causes_of(rows, before, self.twin)
         beyond = np.any((rows.q < model.Q_MIN - 0.1) | (rows.q > model.Q_MAX + 0.1))
         if sum(cause.share for cause in causes) > _EXPLAINED and not beyond or np.sum(before**2) < _LARGE**2 * np.sum(rows.tau_at(0.0) ** 2):

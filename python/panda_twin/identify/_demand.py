@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+import reprlib
 from collections.abc import Mapping
 from typing import Any, TypeAlias
 
@@ -33,7 +34,7 @@ class _Kind:
 
 KINDS = {
     "torque": _Kind("torque", "Nm", 1.0, True, "torque that the twin does not explain, root of the mean square", None),
-    "torque_share": _Kind("share", "%", 1e-2, True, "the same as a share of the joint's largest torque", 0.02),
+    "torque_share": _Kind("share", "%", 1e-2, True, "the same as a share of the joint's rated torque", 0.02),
     "position": _Kind("angle", "mrad", 1e-3, True, "difference between robot and twin under the same commands, root of the mean square", 0.003),
     "external_torque": _Kind("torque", "Nm", 1.0, True, "difference between the robot's estimate of external torque and the twin's, root of the mean square", None),
     "delay": _Kind("time", "ms", 1e-3, False, "delay of the torques beyond the twin's, either way", 0.001),
@@ -101,17 +102,17 @@ def _values(where: str, name: str, value: Any) -> Array:
         if not kind.per_joint or not isinstance(numbers, list) or len(numbers) != 7:
             raise ValueError(f"{where}: give {'one value' if not kind.per_joint else 'seven values, one for each joint'}")
     else:
-        number, _, unit = str(value).strip().partition(" ")
+        number, _, unit = (value if isinstance(value, str) else reprlib.repr(value)).strip().partition(" ")
         numbers = [number] * (7 if kind.per_joint else 1)
     allowed = [text for text, (of, _) in _UNITS.items() if of == kind.of]
     if unit not in allowed:
-        raise ValueError(f"{where}: {value} has no unit of {', '.join(allowed)}; write for example {name}: 1 {kind.unit}")
+        raise ValueError(f"{where}: {reprlib.repr(value)} has no unit of {', '.join(allowed)}; write for example {name}: 1 {kind.unit}")
     try:
         found = np.array(numbers, float) * _UNITS[unit][1]
     except (TypeError, ValueError):
-        raise ValueError(f"{where}: {value} is no number with a unit") from None
+        raise ValueError(f"{where}: {reprlib.repr(value)} is no number with a unit") from None
     if not np.all(np.isfinite(found) & (found > 0)):
-        raise ValueError(f"{where}: {value} must be above 0 and finite")
+        raise ValueError(f"{where}: {reprlib.repr(value)} must be above 0 and finite")
     return found
 
 

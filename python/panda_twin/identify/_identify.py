@@ -12,14 +12,15 @@ from scipy.linalg import qr  # type: ignore[import-untyped]
 from scipy.optimize import least_squares  # type: ignore[import-untyped]
 
 from ._causes import residual_of
-from ._model import STEEP, TwinModel, friction_torque
-from ._regression import Estimate, fit
+from ._model import FRICTION, STEEP, TwinModel, friction_torque
+from ._regression import QUANTILE, Estimate, fit
 from ._rows import Rows, regressor
 from ._terms import ALL, Columns, Delay, Friction, Inertia, Load, Parameter, SmoothFriction, Term
 
 Array: TypeAlias = npt.NDArray[np.float64]
 
 KINDS = ("friction", "load", "delay", "elasticity", "armature", "inertia")
+_LEAST_MASS = 1e-3  # kg: a lighter load is none
 _PART = 5.0  # s: of each two such parts one fits and the other judges
 _BODY_SCALE = np.array([1.0, 0.1, 0.1, 0.1, 0.02, 0.02, 0.02, 0.02, 0.02, 0.02])
 
@@ -67,7 +68,8 @@ def friction_terms(rows: Rows, torque: Array, others: Sequence[Term]) -> list[Te
     own = plain.residual + Friction().at(rows, np.nan_to_num(plain.values[:21]))[0]
     start = np.stack([_sigmoid_near(rows, own[:, joint], joint) for joint in ALL], axis=1)
     smooth = fit(rows, torque, [SmoothFriction(ALL, start), *others])
-    gain = len(rows) * np.log(np.sum(plain.residual**2, axis=0) / np.sum(smooth.residual**2, axis=0))
+    least = 1e-300  # of a log without noise
+    gain = len(rows) * np.log(np.maximum(np.sum(plain.residual**2, axis=0), least) / np.maximum(np.sum(smooth.residual**2, axis=0), least))
     told = smooth.told[:35].reshape(5, 7).all(axis=0) & (np.nan_to_num(smooth.values[21:28]) > 0)
     # Four times what two more coefficients cost: laws this close to each other predict the same.
     is_smooth = told & (gain > 4 * 2 * np.log(len(rows)))
@@ -141,9 +143,11 @@ def identify(rows: Rows, twin: TwinModel, kinds: set[str]) -> Identified:
         estimates.append(estimate)
         untold += [f"{p.text} (the motion does not excite it)" for p, told in zip(estimate.parameters, estimate.told) if not told]
         held_out = _judge(rows, torque, terms, twin)
-        friction = _friction_of(estimate) if "friction" in kinds else None
+        friction = _friction_of(estimate, twin) if "friction" in kinds else None
         if any(told and p.key.startswith("load") for p, told in zip(estimate.parameters, estimate.told)):
-            load = nearest_feasible(_part(estimate, "load"), twin.load, 1)
+            mass, sd = estimate.of("load.m")[0], estimate.sd[[p.key == "load.m" for p in estimate.parameters]][0]
+            is_there = not mass < max(_LEAST_MASS, QUANTILE * sd)
+            load = nearest_feasible(_part(estimate, "load"), twin.load, 1) if is_there else np.zeros(10)
         if "inertia" in kinds:
             links = _links_of(estimate, twin)
         if "delay" in kinds and np.isfinite(value := estimate.of("plant.delay")[0]):
@@ -163,15 +167,17 @@ def _judge(rows: Rows, torque: Array, terms: list[Term], twin: TwinModel) -> tup
     return before_rms, after_rms
 
 
-def _friction_of(estimate: Estimate) -> Array:
+def _friction_of(estimate: Estimate, twin: TwinModel) -> Array | None:
+    """The law of all joints: the twin's own of those that the log does not tell; None when it tells none."""
     law = np.zeros((5, 7))
     law[3] = STEEP
     for parameter, value in zip(estimate.parameters, estimate.values):
-        for i, name in enumerate(("viscous", "coulomb", "offset", "steepness", "shift")):
-            if parameter.key.startswith(f"plant.friction.{name}[") and np.isfinite(value):
+        for i, name in enumerate(FRICTION):
+            if parameter.key.startswith(f"plant.friction.{name}["):
                 law[i, int(parameter.key[-2])] = value
+    told = np.isfinite(law).all(axis=0)
     law[:2] = np.maximum(law[:2], 0)
-    return law
+    return np.where(told, law, twin.friction) if told.any() else None
 
 
 @dataclasses.dataclass(frozen=True)
@@ -239,9 +245,11 @@ def nearest_feasible(known: _Part, prior: Array, bodies: int, share: Array | Non
         result: Array = np.concatenate([root @ (to_known @ theta - known.values), 1e-1 * (theta - prior / scale)])
         return result
 
+    # At least 4 mg, and a millimetre of gyration about every axis: thinner bodies are none to the engine.
+    low, high = np.tile([-6.2, -7.0, -7.0, -7.0, *[-20.0] * 6], bodies), np.full(len(scale), 5.0)
     guess = prior if share is not None else np.nan_to_num(known.values * scale)
     x0 = np.concatenate([_logarithms(body) for body in guess.reshape(bodies, 10)])
-    found = least_squares(difference, np.clip(x0, -19, 4), bounds=(-20, 5), x_scale="jac", max_nfev=100).x
+    found = least_squares(difference, np.clip(x0, low, high), bounds=(low, high), x_scale="jac", max_nfev=100).x
     return np.concatenate([_body(part) for part in found.reshape(bodies, 10)])
 
 

@@ -119,14 +119,15 @@ class TwinModel:
         keys: Mapping[str, Any] = scenario.to_dict()
         plant, robot = keys.get("plant", {}), keys.get("robot", {})
         scale = float(plant.get("mass_scale", 1))
-        arm = np.asarray(_core.model_parameters(True))
+        is_ideal = plant.get("kind") == "ideal"  # which has the controller's own figures, no friction, and torques of the instant
+        arm = np.asarray(_core.model_parameters(not is_ideal))
         if links := plant.get("links"):
             arm = np.concatenate([_load(link) for link in links])
         hand = body_parameters(**model.HAND) if robot.get("hand", "franka_hand") == "franka_hand" else np.zeros(10)
         tilt = plant.get("base_tilt", {})
         return cls(scale * arm, scale * hand, _load_of(robot),
-                   _friction(plant.get("friction", "residual")), np.array([_number(tilt.get(name, 0)) for name in ("roll", "pitch")]),
-                   _number(plant.get("delay", {}).get("tau_J", 0)), hand + _load_of(keys.get("onboard", {})))
+                   _friction("none" if is_ideal else plant.get("friction", "residual")), np.array([_number(tilt.get(name, 0)) for name in ("roll", "pitch")]),
+                   -1e-3 if is_ideal else _number(plant.get("delay", {}).get("tau_J", 0)), hand + _load_of(keys.get("onboard", {})))
 
     @property
     def parameters(self) -> Array:

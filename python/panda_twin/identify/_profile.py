@@ -6,13 +6,14 @@ import datetime
 import getpass
 import os
 import pathlib
-import tempfile
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
+from ..model import Q_READY
+from ..scenario import Scenario
 from ._model import FRICTION, body_of
 from ._result import CommandDelay
 from ._rows import noise_of
@@ -30,7 +31,7 @@ _LOAD_KEYS = ["mass", *(f"position[{i}]" for i in range(3)), *(f"inertia[{i}]" f
 
 
 def _numbers(values: npt.ArrayLike) -> list[float]:
-    return [float(f"{x:.8g}") for x in np.asarray(values, float)]
+    return [float(x) for x in np.asarray(values, float)]
 
 
 def _joints(values: Array, unit: str) -> dict[str, Any]:
@@ -49,7 +50,9 @@ def _load_keys(body: Array) -> dict[str, Any]:
             "products_of_inertia": [f"{x} kg m^2" for x in rest[6:]]}
 
 
-def profile_of(recordings: Sequence[Recording], motions: Sequence[Motion], found: Identified, delay: CommandDelay | None, load_of_twin: Array) -> dict[str, Any]:
+def profile_of(
+    recordings: Sequence[Recording], motions: Sequence[Motion], found: Identified, delay: CommandDelay | None, load_of_twin: Array, doubts: list[str]
+) -> dict[str, Any]:
     """Put what was identified into the form that a scenario reads: `robot: {profile: file}`."""
     plant: dict[str, Any] = {}
     if found.friction is not None:
@@ -73,11 +76,12 @@ def profile_of(recordings: Sequence[Recording], motions: Sequence[Motion], found
         shares = delay.share[delay.expected : delay.expected + len(late) + 1]
         keys["link"] = {"command_delay": {"histogram": {"edges": [f"{i} ms" for i in range(len(shares) + 1)], "weights": _numbers(shares)}}}
     covariance_keys, matrix = _covariance(found)
+    about = {"doubts": doubts} if doubts else {}
     return {
         "profile": 1,
         "robot": "panda",
         "identified": {"date": datetime.date.today().isoformat(), "by": _user(),
-                       "log": [{"file": os.path.basename(str(r.path)), "sha256": r.sha256, "seconds": round(r.seconds, 3)} for r in recordings]},
+                       "log": [{"file": os.path.basename(str(r.path)), "sha256": r.sha256, "seconds": round(r.seconds, 3)} for r in recordings]} | about,
         "holds_for": {"speed": _joints(np.max([np.max(np.abs(m.dq), axis=0) for m in motions], axis=0), "rad/s"),
                       "load": {"from": f"{body[0]:.3f} kg", "to": f"{body[0]:.3f} kg"}},
         "scenario": keys,
@@ -116,20 +120,33 @@ def _covariance(found: Identified) -> tuple[list[str], Array]:
     for part in parts:
         matrix[begin : begin + len(part), begin : begin + len(part)] = part
         begin += len(part)
-    return keys, matrix
+    values, vectors = np.linalg.eigh((matrix + matrix.T) / 2) if size else (np.zeros(0), matrix)
+    matrix = (vectors * np.maximum(values, 0)) @ vectors.T
+    return keys, (matrix + matrix.T) / 2
 
 
 def write_profile(profile: dict[str, Any], file: str | os.PathLike[str]) -> pathlib.Path:
-    """Write a profile, whole or not at all: YAML whose innermost maps and lists are in one line."""
+    """Write a profile, whole or not at all: YAML whose innermost maps and lists are in one line.
+
+    Raises
+    ------
+    ValueError
+        When no scenario could take it: what was identified is no robot.
+    OSError
+        When the file cannot be written.
+    """
     path = pathlib.Path(file)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    text = "# A robot's profile: a scenario names it by robot: {profile: " + path.name + "}.\n" + yaml_text(profile)
-    descriptor, partial = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+    robot: Any = {"name": "profile", "robot": {"q_start": _joints(Q_READY, "rad")}}
     try:
-        with os.fdopen(descriptor, "w", encoding="utf-8") as out:
-            out.write(text)
-        os.replace(partial, path)
-    except BaseException:
-        os.unlink(partial)
-        raise
+        Scenario(**robot).replace(profile["scenario"])
+    except ValueError as error:
+        raise ValueError(f"{path}: not written, for no scenario takes what was identified: {error}; the log does not fit a Panda, or tells too little") from None
+    path.parent.mkdir(parents=True, exist_ok=True)
+    text = "# A robot's profile: a scenario names it by robot: {profile: FILE}.\n" + yaml_text(profile)
+    partial = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        partial.write_text(text, encoding="utf-8")
+        partial.replace(path)
+    finally:
+        partial.unlink(missing_ok=True)
     return path

@@ -6,6 +6,8 @@ import argparse
 import pathlib
 import sys
 
+import numpy as np
+
 from .._command import exit_code_of
 
 
@@ -35,10 +37,15 @@ def main(arguments: list[str]) -> int:
             from .report._report import tell, write_report
         except ImportError as error:
             raise ImportError(f"{error}; compare needs numpy and scipy, matplotlib for its report, and PyYAML: pip install 'panda-twin[identify]'") from None
+        if options.write and pathlib.Path(options.write).is_dir():
+            raise ValueError(f"--write: {options.write} is a folder; name the file")
         kinds = [kind.strip() for kind in options.identify.split(",") if kind.strip()]
         if options.write and not kinds:
             raise ValueError("--write: a profile has what --identify finds; name it, as --identify friction,load,delay")
-        found = compare(*options.logs, against=options.against, mapping=options.map, identify=kinds, demand=options.demand)
+        try:
+            found = compare(*options.logs, against=options.against, mapping=options.map, identify=kinds, demand=options.demand)
+        except (ArithmeticError, LookupError, np.linalg.LinAlgError) as error:
+            raise ValueError(f"{', '.join(options.logs)}: nothing can be computed from these numbers ({error}); look for absurd values in the log's columns") from None
         passed = found.passed
         report = write_report(found, options.out)
         if not options.quiet:
@@ -50,6 +57,8 @@ def main(arguments: list[str]) -> int:
                 print(f"profile  {written}")
 
     code = exit_code_of(work)
+    if code == 1:  # which is the verdict's
+        return 4
     return code if code else int(not passed)
 
 

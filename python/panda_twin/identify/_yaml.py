@@ -8,6 +8,7 @@ import pathlib
 from collections.abc import Mapping
 from typing import Any
 
+_LARGEST = 4_000_000
 _STRANGE = (ValueError, TypeError, LookupError, RecursionError, AttributeError)  # what strange texts make the library raise
 
 
@@ -29,6 +30,10 @@ def read_yaml(file: str | os.PathLike[str]) -> Any:
     except ImportError as error:
         raise ImportError(f"{file}: reading it needs ruamel.yaml ({error}): pip install 'panda-twin[identify]'") from None
     path = pathlib.Path(file)
+    if path.exists() and not path.is_file():
+        raise ValueError(f"{path} is no file; name one with YAML")
+    if path.stat().st_size > _LARGEST:
+        raise ValueError(f"{path} has {path.stat().st_size / 1e6:.0f} MB; what people write has at most {_LARGEST / 1e6:.0f}")
     try:
         return YAML(typ="safe", pure=True).load(path.read_text(encoding="utf-8-sig"))
     except (YAMLError, *_STRANGE) as error:

@@ -27,7 +27,7 @@ void AddCompare(CLI::App& app, Program& program) {
   flags.Add(compare, "--identify WHAT",
             "Of friction, load, delay, elasticity, armature, inertia, with commas: what is fitted");
   flags.Add(compare, "--demand FILE",
-            "What the twin must keep (YAML; default: torque within 2 % of each joint's largest, "
+            "What the twin must keep (YAML; default: torque within 2 % of each joint's rated one, "
             "positions within 3 mrad, delay within 1 ms)");
   flags.Add(compare, "--write FILE",
             "Profile of the identified robot, which a scenario names by robot: {profile: FILE}");

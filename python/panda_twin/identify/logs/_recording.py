@@ -119,6 +119,8 @@ class Recording:
         if isinstance(path, Mapping):
             return cls(of_arrays(path, wanted), None, "the dict")
         file = pathlib.Path(path)
+        if file.exists() and not file.is_file() and not file.is_dir():
+            raise ValueError(f"{file} is neither a file nor a folder; save the log as a file first")
         return cls(of_file(file, wanted), file, str(file))
 
     @property

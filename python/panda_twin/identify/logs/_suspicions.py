@@ -201,6 +201,8 @@ def _torques(t: Floats, q: Floats, tau: Floats, found: list[str]) -> None:
     if not tau.any():
         found.append("tau_J is zero throughout; leave it out of the mapping")
         return
+    for joint in np.flatnonzero(np.ptp(tau, axis=0) == 0):
+        found.append(f"tau_J of joint {joint + 1} does not change at all: a sensor that is dead, or another column")
     step = max(1, int(round(5 * _WINDOW / float(np.median(np.diff(t))) / 2)))
     if len(t) <= 2 * step:
         return

@@ -52,7 +52,7 @@ def torques(comparison: Comparison) -> list[Html]:
     parts.append(
         figure(
             spectrum,
-            "Spectrum of the residual (Welch). Below some 5 Hz it is the model; what is flat above is noise of the sensors.",
+            "Spectrum of the residual (Welch). Where it is high at the frequencies of the motion, the model is wrong; the rest is noise, up to 8 Hz, where the low-pass ends it.",
         )
         if spectrum
         else p("No part of the log without a gap is long enough for a spectrum.")
