@@ -33,7 +33,7 @@ _FUSED = (2.0, 20.0)  # Hz: below a frequency in this range the slope of q count
 _GAP = 0.012  # s: a longer gap is not bridged
 _BLOCK = 10.0  # s
 _SHAKEN = 3
-MOST = 300.0
+MOST = 120.0
 """Of a longer log, as many seconds are looked at, in blocks spread over all of it."""
 _TAPS: Array = firwin(2 * _HALF + 1, _CUTOFF, fs=1 / TICK)
 
