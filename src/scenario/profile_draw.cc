@@ -19,7 +19,7 @@ using Matrix = std::vector<std::vector<double>>;
 
 /// Cholesky's factor. A pivot that is zero but for rounding makes a column of zeros.
 Matrix RootOf(const Matrix& matrix, const YamlNode& node) {
-  constexpr double kRounding = 1e-6;  // profiles have eight digits
+  constexpr double kRounding = 1e-6;  // of the numbers in a file
   Matrix root(matrix.size(), std::vector<double>(matrix.size()));
   for (std::size_t c = 0; c < matrix.size(); ++c) {
     const auto rest = [&](std::size_t r) {

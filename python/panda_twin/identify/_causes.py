@@ -47,8 +47,8 @@ class _Candidate:
     """A value beyond it has another cause."""
 
 
-def _between(value: float, sd: float, unit: str, digits: int = 3) -> str:
-    return f"{value:+.{digits}g} +- {QUANTILE * sd:.1g} {unit}" if np.isfinite(value) else f"an unknown number of {unit}"
+def _between(value: float, sd: float, unit: str) -> str:
+    return f"{value:+.3g} +- {QUANTILE * sd:.1g} {unit}" if np.isfinite(value) else f"an unknown number of {unit}"
 
 
 def _values(numbers: Array, unit: str) -> str:

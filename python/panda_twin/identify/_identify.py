@@ -15,14 +15,14 @@ from ._causes import residual_of
 from ._model import FRICTION, STEEP, TwinModel, friction_torque
 from ._regression import QUANTILE, Estimate, fit
 from ._rows import Rows, regressor
-from ._terms import ALL, Columns, Delay, Friction, Inertia, Load, Parameter, SmoothFriction, Term
+from ._terms import ALL, BODY, Columns, Delay, Friction, Inertia, Load, Parameter, SmoothFriction, Term
 
 Array: TypeAlias = npt.NDArray[np.float64]
 
 KINDS = ("friction", "load", "delay", "elasticity", "armature", "inertia")
 _LEAST_MASS = 1e-3  # kg: a lighter load is none
 _PART = 5.0  # s: of each two such parts one fits and the other judges
-_BODY_SCALE = np.array([1.0, 0.1, 0.1, 0.1, 0.02, 0.02, 0.02, 0.02, 0.02, 0.02])
+_BODY_SCALE = np.array([scale for _, _, scale in BODY])
 
 
 @dataclasses.dataclass(frozen=True)
@@ -101,7 +101,7 @@ def _sigmoid_near(rows: Rows, torque: Array, joint: int) -> Array:
     return np.concatenate([values, best])
 
 
-def _terms(rows: Rows, torque: Array, kinds: set[str], twin: TwinModel) -> list[Term]:
+def _terms(rows: Rows, torque: Array, kinds: set[str]) -> list[Term]:
     terms: list[Term] = []
     if "load" in kinds:
         terms.append(Load())
@@ -138,7 +138,7 @@ def identify(rows: Rows, twin: TwinModel, kinds: set[str]) -> Identified:
     delay: float | None = None
     if of_torque:
         torque = _torque_left(rows, of_torque, twin)
-        terms = _terms(rows, torque, of_torque, twin)
+        terms = _terms(rows, torque, of_torque)
         estimate = fit(rows, torque, terms)
         estimates.append(estimate)
         untold += [f"{p.text} (the motion does not excite it)" for p, told in zip(estimate.parameters, estimate.told) if not told]
@@ -254,11 +254,10 @@ def nearest_feasible(known: _Part, prior: Array, bodies: int, share: Array | Non
 
 
 def _links_of(estimate: Estimate, twin: TwinModel) -> Array:
-    leading, share = base_of_links()
+    _, share = base_of_links()
     known = _part(estimate, "base")
     scale = np.array([p.scale for p in estimate.parameters if p.key.startswith("base")])
     shifted = _Part(known.values + share @ twin.arm / scale, known.information)
-    del leading
     return nearest_feasible(shifted, twin.arm, 7, share / scale[:, None])
 
 

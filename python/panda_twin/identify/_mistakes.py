@@ -30,13 +30,18 @@ class _Mistake:
     """Of torques, behind the mend."""
 
 
+def _of_joints(motion: Motion, change: Callable[[Array], Array]) -> Motion:
+    """The motion with all signals of joints (n, 7) changed."""
+    others = {name: change(values) if values.ndim == 2 and values.shape[1] == 7 else values for name, values in motion.others.items()}
+    return dataclasses.replace(motion, q=change(motion.q), dq=change(motion.dq), ddq=change(motion.ddq), others=others)
+
+
 def _swapped(i: int, j: int) -> _Mistake:
     order = list(range(7))
     order[i], order[j] = j, i
 
     def mend(motion: Motion) -> Motion:
-        return dataclasses.replace(motion, q=motion.q[:, order], dq=motion.dq[:, order], ddq=motion.ddq[:, order],
-                                   others={name: values[:, order] if values.ndim == 2 and values.shape[1] == 7 else values for name, values in motion.others.items()})
+        return _of_joints(motion, lambda values: values[:, order])
 
     return _Mistake("swapped joints", f"the columns of joints {i + 1} and {j + 1} are swapped", f"name the columns of joint {i + 1} and {j + 1} the other way round in the mapping", mend)
 
@@ -54,8 +59,7 @@ def _turned(joint: int) -> _Mistake:
     sign[joint] = -1
 
     def mend(motion: Motion) -> Motion:
-        return dataclasses.replace(motion, q=motion.q * sign, dq=motion.dq * sign, ddq=motion.ddq * sign,
-                                   others={name: values * sign if values.ndim == 2 and values.shape[1] == 7 else values for name, values in motion.others.items()})
+        return _of_joints(motion, lambda values: values * sign)
 
     return _Mistake("direction of a joint", f"joint {joint + 1} counts in the other direction", f"turn the sign of all columns of joint {joint + 1}", mend)
 

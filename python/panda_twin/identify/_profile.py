@@ -17,6 +17,7 @@ from ..scenario import Scenario
 from ._model import FRICTION, body_of
 from ._result import CommandDelay
 from ._rows import noise_of
+from ._terms import FRICTION_PARAMETERS
 from ._yaml import yaml_text
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
 Array: TypeAlias = npt.NDArray[np.float64]
 
-_FRICTION_UNITS = dict(zip(FRICTION, ("Nms/rad", "Nm", "Nm", "s/rad", "rad/s")))
+_FRICTION_UNITS = {name: unit for name, _, unit, _ in FRICTION_PARAMETERS}
 _LOAD_KEYS = ["mass", *(f"position[{i}]" for i in range(3)), *(f"inertia[{i}]" for i in range(3)), *(f"products_of_inertia[{i}]" for i in range(3))]
 
 

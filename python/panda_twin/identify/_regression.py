@@ -73,14 +73,10 @@ def fit(rows: Rows, torque: Array, terms: Sequence[Term], use: npt.NDArray[np.bo
     scale = np.array([parameter.scale for parameter in parameters])
     counted = np.ones(len(rows), bool) if use is None else use
     theta = np.concatenate([term.start() for term in terms])
-    told = np.ones(len(theta), bool)
-    inverse = np.zeros((len(theta), len(theta)))
-    residual = torque
     for step in range(_STEPS):
         at = _evaluate(rows, terms, theta)
-        residual = torque - at[0]
         X = at[1][counted] * scale
-        r = residual[counted]
+        r = (torque - at[0])[counted]
         sigma = spread_of(r)
         weight = np.minimum(1, _HUBER / np.maximum(np.abs(r) / sigma, 1e-12)) / sigma**2
         change, inverse, told = _solve(X, r, weight, _by_noise(rows, terms, theta, scale, sigma))

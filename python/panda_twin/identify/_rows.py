@@ -182,15 +182,10 @@ class Rows:
         """A function of joint velocities (m, 7) -> (m, ...) after the filter: (n, ...)."""
         return np.concatenate([_filtered(law(dq), low_pass) for dq, low_pass in self._fast])
 
-    @property
-    def seconds(self) -> float:
-        """Time that the rows stand for."""
-        return len(self) * ROW * TICK
 
-
-def motions_of(recording: Recording, *names: str, most: float = MOST) -> Iterator[Motion]:
-    """Stretches of a log on the grid; of a log longer than `most` seconds, some that are spread over it."""
-    stride = max(1, int(np.ceil(recording.seconds / most))) if np.isfinite(most) else 1
+def motions_of(recording: Recording, *names: str) -> Iterator[Motion]:
+    """Stretches of a log on the grid; of a log longer than `MOST` seconds, some that are spread over it."""
+    stride = max(1, int(np.ceil(recording.seconds / MOST)))
     wanted = [name for name in ("q", "dq", *names) if name in recording.columns]
     for number, block in enumerate(recording.blocks(*wanted, seconds=_BLOCK, overlap=2 * (_MARGIN + ROW) * TICK)):
         if number % stride == 0 and len(block.t) > 2 * _MARGIN:

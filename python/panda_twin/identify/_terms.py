@@ -74,13 +74,13 @@ def _spread(columns: Array, joints: list[int]) -> Array:
 
 
 ALL = list(range(7))
-_FRICTION = (("viscous", "viscous friction", "Nms/rad", 1.0), ("coulomb", "Coulomb friction", "Nm", 1.0), ("offset", "torque offset", "Nm", 1.0),
+FRICTION_PARAMETERS = (("viscous", "viscous friction", "Nms/rad", 1.0), ("coulomb", "Coulomb friction", "Nm", 1.0), ("offset", "torque offset", "Nm", 1.0),
              ("steepness", "steepness of friction", "s/rad", 100.0), ("shift", "velocity shift of friction", "rad/s", 0.2))
 
 
 def _friction_parameters(joints: list[int], kinds: int) -> list[Parameter]:
     return [Parameter(f"plant.friction.{key}[{joint}]", f"{text} of joint {joint + 1}", unit, scale)
-            for key, text, unit, scale in _FRICTION[:kinds] for joint in joints]
+            for key, text, unit, scale in FRICTION_PARAMETERS[:kinds] for joint in joints]
 
 
 class Friction(_Linear):
@@ -130,8 +130,9 @@ class SmoothFriction:
         return torque, _spread(filtered[:, :, :5], self.joints)
 
 
-_BODY = (("m", "kg", 1.0), ("hx", "kg m", 0.1), ("hy", "kg m", 0.1), ("hz", "kg m", 0.1),
+BODY = (("m", "kg", 1.0), ("hx", "kg m", 0.1), ("hy", "kg m", 0.1), ("hz", "kg m", 0.1),
          ("Ixx", "kg m^2", 0.02), ("Ixy", "kg m^2", 0.02), ("Ixz", "kg m^2", 0.02), ("Iyy", "kg m^2", 0.02), ("Iyz", "kg m^2", 0.02), ("Izz", "kg m^2", 0.02))
+"""Parameters of a body: name, unit, and the scale of `Parameter`."""
 _BODY_WORDS = {"m": "mass", "h": "mass times centre", "I": "moment of inertia about the flange"}
 
 
@@ -143,7 +144,7 @@ class Load(_Linear):
     def __init__(self) -> None:
         super().__init__()
         self.parameters = [Parameter(f"load.{key}", f"{_BODY_WORDS[key[0]]} of the load{'' if key == 'm' else ', ' + key[1:]}", unit, scale)
-                           for key, unit, scale in _BODY]
+                           for key, unit, scale in BODY]
 
     def columns(self, rows: Rows) -> Array:
         return rows.Y[:, :, 70:]
@@ -159,7 +160,7 @@ class Inertia(_Linear):
         self._leading = leading
         self.parameters = []
         for i, place in enumerate(leading):
-            key, unit, scale = _BODY[place % 10]
+            key, unit, scale = BODY[place % 10]
             others = int(np.sum(np.abs(share[i]) > 1e-9)) - 1
             self.parameters.append(Parameter(f"base[{i}]", f"{key} of link {place // 10 + 1}{f' with {others} others' if others else ''}", unit, scale))
 
