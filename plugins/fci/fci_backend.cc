@@ -47,7 +47,8 @@ class ObservedMotion {
  public:
   void Ask(const MotionModes& modes) noexcept {
     before_ = phase_.load(std::memory_order_acquire);
-    modes_.store(modes, std::memory_order_relaxed);  // the phase's release publishes them
+    modes_.store({modes.controller, modes.generator},
+                 std::memory_order_relaxed);  // the phase's release publishes them
     phase_.store(Phase::kAsked, std::memory_order_release);
   }
   void Grant() noexcept {
@@ -60,7 +61,7 @@ class ObservedMotion {
   void Observe(const RobotState& state) noexcept TWIN_REALTIME {
     const Phase phase = phase_.load(std::memory_order_acquire);
     if (phase == Phase::kNone || phase == Phase::kEnded) return;
-    const MotionModes modes = modes_.load(std::memory_order_relaxed);
+    const Modes modes = modes_.load(std::memory_order_relaxed);
     const bool in_motion = state.robot_mode == RobotMode::kMove &&
                            state.motion_generator_mode == modes.generator &&
                            state.controller_mode == modes.controller;
@@ -90,30 +91,37 @@ class ObservedMotion {
 
  private:
   enum class Phase : std::uint8_t { kNone, kAsked, kGranted, kMoving, kEnded };
+  struct Modes {
+    ControllerMode controller;
+    MotionGeneratorMode generator;
+  };
+  static_assert(std::atomic<Modes>::is_always_lock_free);
 
   std::atomic<Phase> phase_ = Phase::kNone;  ///< release after its data, acquire to read
-  std::atomic<MotionModes> modes_{};
+  std::atomic<Modes> modes_{};
   std::atomic<std::uint64_t> errors_ = 0;
   Phase before_ = Phase::kNone;  ///< owned by the starting thread
 };
-static_assert(std::atomic<MotionModes>::is_always_lock_free);
 
 class FciBackend final : public backend::Backend {
  public:
   FciBackend(const backend::Request& request, const backend::RobotAddress& address,
              const MonotonicClock& clock)
       : port_(address.arm_port == 0 ? fci::kArmPort : address.arm_port),
-        client_(clock, address.host, port_, TimeoutFor(address), address.capture),
+        client_(clock, address.host, port_, TimeoutFor(address), address.capture,
+                fci::Protocol{request.robot.protocol}),
         kind_(client_.AskForTwin()),
         time_(TimeOf(address, kind_)) {
     if (time_ == backend::RobotTime::kStates) {
       client_.AnswerAgain(std::max(kLongTimeout, address.silence));
     }
     if (request.robot.plant.hand == plant::HandKind::kNone) return;
+    const HandDevice device = plant::DeviceOf(request.robot.plant.hand);
+    const int after_arm = fci::PortOf(device) - fci::kArmPort;
     hand_.emplace(
         address.host,
-        address.hand_port == 0 ? static_cast<std::uint16_t>(port_ + 1) : address.hand_port,
-        address.capture);
+        address.hand_port == 0 ? static_cast<std::uint16_t>(port_ + after_arm) : address.hand_port,
+        address.capture, device);
   }
 
   [[nodiscard]] rt::Arrival& arrival() noexcept { return client_.arrival(); }

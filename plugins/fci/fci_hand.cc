@@ -6,14 +6,14 @@ namespace twin::plugins {
 
 fci::HandClient& FciHand::Client() const {
   const std::lock_guard lock(mutex_);
-  if (!client_) client_.emplace(host_, port_, fci::ClientTimeout(), capture_);
+  if (!client_) client_.emplace(host_, port_, fci::ClientTimeout(), capture_, device_);
   return *client_;
 }
 
 HandTicket FciHand::Start(const HandCommand& command) {
   // The hand itself would report the failure without its cause.
   HandStart start;
-  start.bad = FindBadValue(command, ReadState().max_width);
+  start.bad = FindBadValue(command, ReadState().max_width, device_);
   backend::RequireStarted(start, command);
   return Client().Start(command);
 }

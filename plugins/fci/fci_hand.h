@@ -14,9 +14,10 @@ namespace twin::plugins {
 /// being reachable.
 class FciHand final : public backend::Hand {
  public:
-  /// @param capture  as fci::HandClient's.
-  FciHand(std::string host, std::uint16_t port, fci::Capture* capture)
-      : host_(std::move(host)), port_(port), capture_(capture) {}
+  /// @param capture, device  as fci::HandClient's.
+  FciHand(std::string host, std::uint16_t port, fci::Capture* capture,
+          HandDevice device = HandDevice::kFrankaHand)
+      : host_(std::move(host)), port_(port), capture_(capture), device_(device) {}
 
   HandTicket Start(const HandCommand& command) override;
   [[nodiscard]] std::optional<HandResult> Outcome(HandTicket ticket) const override;
@@ -28,6 +29,7 @@ class FciHand final : public backend::Hand {
   const std::string host_;
   const std::uint16_t port_;
   fci::Capture* const capture_;
+  const HandDevice device_;
   mutable std::mutex mutex_;
   mutable std::optional<fci::HandClient> client_;  ///< guarded by mutex_ until it is set
 };

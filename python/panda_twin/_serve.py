@@ -270,6 +270,7 @@ def serve(
     pace: float | None = None,
     seed: int | None = None,
     lab: _Path | None = None,
+    model: str | None = None,
     scene: _Path | None = None,
     reset: Literal["never", "on-connect", "on-command"] = "never",
     idle: Literal["run", "freeze"] = "run",
@@ -278,13 +279,15 @@ def serve(
     clock_ppm: float | None = None,
     session_timeout: float = 10.0,
     log: _Path | None = None,
+    log_split: str | None = None,
+    log_keep: int | None = None,
     capture: _Path | None = None,
     out: _Path | None = None,
     video: bool = True,
     control: _Path | None = None,
     hostname: str | None = None,
 ) -> ServedRobot:
-    """Serves a simulated robot to programs made for the real one (FCI protocol 5).
+    """Serves a simulated robot to programs made for the real one (FCI protocol 5; an FR3: 10).
 
     Parameters
     ----------
@@ -300,6 +303,8 @@ def serve(
         Seed of all random numbers, instead of the scenario's.
     lab : name or path, optional
         Properties of a site, which replace those of the scenario.
+    model : str, optional
+        Arm, instead of the scenario's: "panda", "fr3", or another folder below models/robots.
     scene : path, optional
         World around the robot (MJCF), instead of the scenario's.
     reset : {"never", "on-connect", "on-command"}
@@ -317,6 +322,10 @@ def serve(
         In lockstep: a motion without an answer for so long is stopped, s.
     log, capture : path, optional
         File of all cycles (MCAP); file of what goes over the wire (pcapng). Complete when the robot is closed.
+    log_split : str, optional
+        Robot time or size of a part of the log: "1 h", "512 MiB". Default: one file.
+    log_keep : int, optional
+        How many ended parts stay. Default: all.
     out : path, optional
         Folder of results, written when the robot is closed: log, report with a row per motion, plots, video.
     video : bool
@@ -354,6 +363,7 @@ def serve(
     options.pace = pace
     options.seed = checked_seed(seed)
     options.lab = None if lab is None else os.fspath(lab)
+    options.model = model
     options.scene = None if scene is None else pathlib.Path(scene)
     options.reset = reset
     options.idle = idle
@@ -362,6 +372,8 @@ def serve(
     options.clock_ppm = clock_ppm
     options.session_timeout = session_timeout
     options.log = None if log is None else pathlib.Path(log)
+    options.log_split = log_split
+    options.log_keep = log_keep
     options.capture = None if capture is None else pathlib.Path(capture)
     options.out = None if out is None else pathlib.Path(out)
     options.no_video = out is not None and not video

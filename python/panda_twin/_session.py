@@ -78,7 +78,7 @@ def _checked(motion: _core.MotionResult, check: bool) -> _core.MotionResult:
 
 
 class Hand:
-    """The Franka Hand of a session; each command waits, in the robot's time, until it ends."""
+    """The Franka Hand or cobot pump of a session; each command waits, in the robot's time, until it ends."""
 
     def __init__(self, twin: _core.TwinSession) -> None:
         self._twin = twin
@@ -133,8 +133,32 @@ class Hand:
         """
         return self._ended(self._twin.grasp(width, speed, force, epsilon_inner, epsilon_outer))
 
+    def vacuum(self, vacuum: float = 600, *, timeout: float = 1.0, profile: int = 0) -> _core.HandOutcome:
+        """Suck an object on and hold it, with a cobot pump.
+
+        Parameters
+        ----------
+        vacuum
+            Set point, mbar, to the nearest 10; the pump reaches 750.
+        timeout
+            Seconds to hold an object; else it is unsuccessful, and sucks no more.
+        profile
+            Of the pump's settings, 0 to 3; all are the same.
+        """
+        return self._ended(self._twin.vacuum(round(vacuum / 10), profile, round(1000 * timeout)))
+
+    def drop_off(self, *, timeout: float = 1.0) -> _core.HandOutcome:
+        """Let the object go, with a cobot pump.
+
+        Parameters
+        ----------
+        timeout
+            Seconds to be rid of the vacuum.
+        """
+        return self._ended(self._twin.drop_off(round(1000 * timeout)))
+
     def stop(self) -> _core.HandOutcome:
-        """Stop pressing."""
+        """Stop pressing, or sucking."""
         return self._ended(self._twin.stop_hand())
 
     @staticmethod

@@ -113,6 +113,7 @@ template Array ArrayOf(const Elbow&);
 template Array ArrayOf(const Vector3&);
 template Array ArrayOf(const Vector6&);
 template Array ArrayOf(const JointVector&);
+template Array ArrayOf(const Accelerations&);
 
 template <>
 Array ArrayOf(const Transform& X) {

@@ -6,6 +6,7 @@
 
 #include "bindings.h"
 #include "twin/core/joint_vector.h"
+#include "twin/core/robot_state.h"
 #include "twin/core/time.h"
 
 // Numbers between C++ and numpy. All functions: with the GIL.
@@ -39,6 +40,7 @@ extern template Array ArrayOf(const Elbow&);
 extern template Array ArrayOf(const Vector3&);
 extern template Array ArrayOf(const Vector6&);
 extern template Array ArrayOf(const JointVector&);
+extern template Array ArrayOf(const Accelerations&);
 
 /// Reads numbers from an array, a list or whatever numpy makes an array of.
 /// @param what  "Torques: tau_J, Nm", for messages. @param shape  for messages: "(7,)".

@@ -140,10 +140,11 @@ class ExternalTorque {
   explicit ExternalTorque(const onboard::OnboardConfig& config)
       : setup_(onboard::SetupOf(config)),
         gain_max_(config.sensing.wrench_gain_max),
-        observer_(config.sensing.observer_gain) {}
+        arm_(config.arm),
+        observer_(config.arm, config.sensing.observer_gain) {}
 
   void Add(const JointSensors& sensors, bool anew, double* out) noexcept {
-    const onboard::MeasuredArm arm(model::ArmModel::Panda(), sensors.q, setup_);
+    const onboard::MeasuredArm arm(arm_, sensors.q, setup_);
     if (anew || is_new_) observer_.Reset(sensors, arm.q);
     is_new_ = false;
     observer_.Update(sensors, arm.q, setup_.payload);
@@ -155,6 +156,7 @@ class ExternalTorque {
 
   onboard::ArmSetup setup_;
   double gain_max_;
+  model::ArmModel arm_;
   onboard::ExternalTorqueObserver observer_;
   bool is_new_ = true;
 };

@@ -251,6 +251,7 @@ void AddServed(nb::module_& module) {
       .def_rw("scenario", &ServeOptions::scenario)
       .def_rw("yaml", &ServeOptions::yaml)
       .def_rw("lab", &ServeOptions::lab, nb::arg().none())
+      .def_rw("model", &ServeOptions::model, nb::arg().none())
       .def_rw("scene", &ServeOptions::scene, nb::arg().none())
       .def_rw("seed", &ServeOptions::seed, nb::arg().none())
       .def_rw("drive", &ServeOptions::drive, nb::arg().none())
@@ -264,6 +265,8 @@ void AddServed(nb::module_& module) {
       .def_rw("out", &ServeOptions::out, nb::arg().none())
       .def_rw("no_video", &ServeOptions::no_video)
       .def_rw("log", &ServeOptions::log, nb::arg().none())
+      .def_rw("log_split", &ServeOptions::log_split, nb::arg().none())
+      .def_rw("log_keep", &ServeOptions::log_keep, nb::arg().none())
       .def_rw("capture", &ServeOptions::capture, nb::arg().none());
   nb::class_<Served>(module, "Served")
       .def("ask", &Served::Ask)

@@ -1,3 +1,4 @@
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <variant>
@@ -75,17 +76,6 @@ void AddTrajectory(nb::module_& module) {
           nb::arg("time"));
 }
 
-const char* NameOf(backend::MotionEnd end) {
-  switch (end) {
-    case backend::MotionEnd::kNone: return "none";
-    case backend::MotionEnd::kSuccess: return "success";
-    case backend::MotionEnd::kPreempted: return "preempted";
-    case backend::MotionEnd::kAborted: return "aborted";
-    case backend::MotionEnd::kUserStopped: return "user_stopped";
-  }
-  return "";
-}
-
 void AddMotionResult(nb::module_& module) {
   nb::class_<Violation>(module, "Violation", "An error with the value that broke a limit.")
       .def_prop_ro("error", [](const Violation& self) { return std::string(Name(self.error)); })
@@ -118,7 +108,7 @@ void AddMotionResult(nb::module_& module) {
           "Duration of the planned motion, s.")
       .def_prop_ro("succeeded", [](const MotionResult& self) { return self.report.succeeded(); })
       .def_prop_ro(
-          "end", [](const MotionResult& self) { return NameOf(self.report.end); },
+          "end", [](const MotionResult& self) { return std::string(NameOf(self.report.end)); },
           "\"success\", \"aborted\", \"preempted\", \"user_stopped\" or \"none\".")
       .def_prop_ro(
           "failure", [](const MotionResult& self) { return self.report.failure; },
@@ -172,6 +162,10 @@ void AddSessionResult(nb::module_& module) {
       });
 }
 
+std::optional<int> VacuumOf(const std::optional<VacuumState>& pump) {
+  return pump ? std::optional(pump->vacuum) : std::nullopt;
+}
+
 void AddHand(nb::module_& module) {
   using run::HandOutcome;
   nb::class_<HandOutcome>(module, "HandOutcome", "How a command to the hand ended.")
@@ -185,6 +179,9 @@ void AddHand(nb::module_& module) {
           "\"success\", \"fail\", \"unsuccessful\" or \"aborted\"; \"\" when it was refused.")
       .def_ro("width", &HandOutcome::width, "Between the fingers as it ended, m.")
       .def_ro("is_grasped", &HandOutcome::is_grasped, "An object was held as it ended.")
+      .def_prop_ro(
+          "vacuum", [](const HandOutcome& self) { return VacuumOf(self.pump); },
+          "Of a cobot pump as it ended, mbar; None of a hand with fingers.")
       .def_ro("failure", &HandOutcome::failure, "Why the hand refused it, or it was stopped.")
       .def("__repr__", [](const HandOutcome& self) {
         return fmt::format("<HandOutcome {}: width {:.4f} m{}>",
@@ -196,6 +193,9 @@ void AddHand(nb::module_& module) {
       .def_ro("max_width", &HandState::max_width, "From the last homing, m; 0 before.")
       .def_ro("is_grasped", &HandState::is_grasped, "An object is held.")
       .def_ro("temperature", &HandState::temperature, "Of the drive, degrees Celsius.")
+      .def_prop_ro(
+          "vacuum", [](const HandState& self) { return VacuumOf(self.pump); },
+          "Of a cobot pump, mbar; None of a hand with fingers.")
       .def("__repr__", [](const HandState& self) {
         return fmt::format("<HandState: width {:.4f} of {:.4f} m{}>", self.width, self.max_width,
                            self.is_grasped ? ", grasped" : "");
@@ -247,6 +247,19 @@ void AddHandCommands(nb::class_<TwinSession>& session) {
           },
           nb::arg("width"), nb::arg("speed"), nb::arg("force"), nb::arg("epsilon_inner"),
           nb::arg("epsilon_outer"), kReleased)
+      .def(
+          "vacuum",
+          [](TwinSession& self, std::uint8_t set_point, std::uint8_t profile,
+             std::int64_t timeout_ms) {
+            return self.Command(hand::Vacuum{set_point, profile, timeout_ms});
+          },
+          nb::arg("set_point"), nb::arg("profile"), nb::arg("timeout_ms"), kReleased)
+      .def(
+          "drop_off",
+          [](TwinSession& self, std::int64_t timeout_ms) {
+            return self.Command(hand::DropOff{timeout_ms});
+          },
+          nb::arg("timeout_ms"), kReleased)
       .def(
           "stop_hand", [](TwinSession& self) { return self.Command(hand::Stop()); }, kReleased)
       .def("hand_state", &TwinSession::ReadHand, kReleased);

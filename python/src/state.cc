@@ -53,6 +53,11 @@ void AddJoints(State& state) {
   AddArray<&RobotState::dtau_J>(state, "dtau_J", "(7,): derivative of tau_J, Nm/s.");
   AddArray<&RobotState::theta>(state, "theta", "(7,): motor positions, rad.");
   AddArray<&RobotState::dtheta>(state, "dtheta", "(7,): motor velocities, rad/s.");
+  AddArray<&RobotState::accelerometer_top>(
+      state, "accelerometer_top",
+      "(18,): of an FR3, x, y, z of the links 0 to 5, m/s^2; zero for a Panda.");
+  AddArray<&RobotState::accelerometer_bottom>(state, "accelerometer_bottom",
+                                              "(18,): the same at the other end.");
 }
 
 void AddForces(State& state) {

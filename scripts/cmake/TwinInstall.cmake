@@ -17,6 +17,9 @@ install(FILES NOTICE DESTINATION ${TWIN_INSTALL_DOCDIR} RENAME copyright)
 if(TARGET panda-twin)
   install(TARGETS panda-twin RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
+if(TARGET panda-twin-campaign)  # for those who try their own controllers; the tests build it
+  install(TARGETS panda-twin-campaign RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
 
 # The package: find_package(panda_twin) gives twin::core, twin::rt and so on.
 install(EXPORT panda_twin NAMESPACE twin:: FILE panda_twin-targets.cmake DESTINATION ${TWIN_INSTALL_CMAKEDIR})

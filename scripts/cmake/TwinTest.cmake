@@ -76,7 +76,7 @@ function(twin_compile_as_test target)
   target_link_libraries(${target} PRIVATE twin_warnings GTest::gmock)
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/tests ${PROJECT_SOURCE_DIR}/src)
   target_compile_definitions(${target} PRIVATE TWIN_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-  target_compile_options(${target} PRIVATE ${TWIN_TEST_OPTIMISATION})
+  target_compile_options(${target} PRIVATE ${TWIN_TEST_OPTIMISATION} -U_FORTIFY_SOURCE)
   twin_pch_for_tests(${target})
 endfunction()
 

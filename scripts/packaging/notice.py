@@ -16,10 +16,11 @@ import sys
 
 from auditwheel.wheeltools import InWheelCtx
 
+from compiled_headers import HEADERS
+
 RENAMED = re.compile(r"^(?P<stem>.+)-[0-9a-f]{8}(?P<rest>\.so[.0-9]*)$")
 COMMON = pathlib.Path("/usr/share/common-licenses")
 DOCUMENTS = pathlib.Path("/usr/share/doc")
-HEADERS = ("libboost1.74-dev", "libcli11-dev", "libeigen3-dev", "libkainjow-mustache-dev", "nlohmann-json3-dev")
 TEXT = """
 What this wheel contains of others
 ----------------------------------

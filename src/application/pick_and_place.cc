@@ -80,9 +80,9 @@ class PickAndPlace final : public Application {
 
 void PickAndPlace::Require(const scenario::Scenario& scenario) const {
   (void)TaskOf(scenario, parameters_);
-  if (scenario.robot.hand != plant::HandKind::kNone) return;
+  if (scenario.robot.hand == plant::HandKind::kFrankaHand) return;
   throw InputError(
-      "application pick_and_place: robot.hand is none; say robot: {hand: franka_hand}");
+      "application pick_and_place: robot.hand has no fingers; say robot: {hand: franka_hand}");
 }
 
 void PickAndPlace::Perform(Stage& stage) {

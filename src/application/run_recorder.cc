@@ -58,6 +58,20 @@ void NoteIgnoredSettings(const scenario::Scenario& scenario, bool video, run::Co
       "--backend) to see the motion");
 }
 
+/// Path of the end effector for a picture, world, m.
+std::vector<Vector3> PathInWorld(const scenario::Scenario& scenario,
+                                 const reference::Trajectory& trajectory, const Transform& F_T_EE) {
+  std::vector<Vector3> path = EndEffectorPath(trajectory, F_T_EE);
+  const Transform X_WO = scenario.robot.pose.Matrix();
+  for (Vector3& p : path) {
+    const Vector3 p_O = p;
+    for (std::size_t i = 0; i < 3; ++i) {
+      p[i] = X_WO[12 + i] + X_WO[i] * p_O[0] + X_WO[4 + i] * p_O[1] + X_WO[8 + i] * p_O[2];
+    }
+  }
+  return path;
+}
+
 class MotionRecorder final : public RunRecorder {
  public:
   using RunRecorder::RunRecorder;
@@ -122,7 +136,7 @@ RunRecorder::Outcome MotionRecorder::Perform(const run::RunHooks& hooks) {
                       .caption = "Around what stands there to the goal",
                       .until = Time(report.simulated),
                       .q = run_->trajectory().goal(),
-                      .path = EndEffectorPath(run_->trajectory(), F_T_EE)}};
+                      .path = PathInWorld(scenario(), run_->trajectory(), F_T_EE)}};
   }
   if (report.succeeded()) return outcome;
   outcome.failure = report.failure;

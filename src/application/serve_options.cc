@@ -40,6 +40,18 @@ bool ServeOptions::FreezesWhenIdle() const {
   throw InputError(fmt::format("{}idle: \"{}\" is neither run nor freeze", dash, idle));
 }
 
+record::LogSplit ServeOptions::SplitOfLog() const {
+  record::LogSplit split;
+  try {
+    if (log_split) split = record::ParseLogSplit(*log_split);
+    split.keep = log_keep;
+    split.is_synced = true;
+    return split;
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}log-split: {}", dash, error.what()));
+  }
+}
+
 void ServeOptions::Validate() const {
   const bool is_realtime = drive && !IsLockstep(*drive);
   const bool is_lockstep = pace || (drive && IsLockstep(*drive));
@@ -65,6 +77,11 @@ void ServeOptions::Validate() const {
                                  dash, log->string()));
   }
   refuse_if(out && log, "{0}out keeps the log too, as run.mcap; leave out {0}log, or {0}out");
+  refuse_if(log_split && !log, "{0}log-split goes with {0}log: it splits that log");
+  refuse_if(log_keep && !log_split,
+            "{0}log-keep goes with {0}log-split: it counts the files of a split log");
+  if (log_keep) RequireInRange(fmt::format("{}log-keep", dash), *log_keep, 1, 1'000'000);
+  static_cast<void>(SplitOfLog());
   refuse_if(no_video && !out, "{0}no-video goes with {0}out");
 }
 
@@ -89,6 +106,7 @@ scenario::Scenario ServedScenarioOf(const ServeOptions& options, const ServeDriv
   scenario::Scenario scenario = ScenarioOf(options, models);
   if (options.lab) scenario::ApplyLab(scenario::FindLab(*options.lab, models), scenario);
   if (options.seed) scenario.seed = *options.seed;
+  if (options.model) scenario.robot.model = *options.model;
   if (options.scene) {
     std::error_code none;
     const bool is_here = std::filesystem::is_regular_file(*options.scene, none);

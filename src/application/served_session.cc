@@ -2,12 +2,17 @@
 
 #include <chrono>
 #include <cstdint>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "twin/application/session_results.h"
 #include "twin/core/error.h"
+#include "twin/fci/protocol.h"
 #include "twin/rt/find_program.h"
 #include "twin/run/remote.h"
 #include "twin/run/robot_config.h"
@@ -21,11 +26,25 @@ constexpr std::uint32_t kLastAddress = 0x7f0000fe;   // 127.0.0.254
 bool AreFree(std::uint32_t address, const server::ServerConfig& config) {
   try {
     const fci::TcpListener arm({address, config.arm_port});
-    const fci::TcpListener hand({address, config.hand_port});
+    const fci::TcpListener hand({address, config.hand_port.value_or(fci::kHandPort)});
     return true;
   } catch (const EnvironmentError&) {
     return false;
   }
+}
+
+/// The URDF that clients get, whose names have no prefix.
+std::string ServedModel(const std::filesystem::path& urdf) {
+  std::ifstream file(urdf, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (!file || text.empty()) {
+    throw EnvironmentError(fmt::format("{} cannot be read", urdf.string()));
+  }
+  constexpr std::string_view kPrefix = "panda_";
+  for (std::size_t at = text.find(kPrefix); at != std::string::npos; at = text.find(kPrefix, at)) {
+    text.erase(at, kPrefix.size());
+  }
+  return text;
 }
 
 /// @param first  the first that is considered. @throws EnvironmentError when there is none.
@@ -35,8 +54,8 @@ std::uint32_t FreeAddress(std::uint32_t first, const server::ServerConfig& confi
   }
   throw EnvironmentError(
       fmt::format("ports {} and {} are in use at all addresses from {} to {}; end a served robot",
-                  config.arm_port, config.hand_port, fci::AddressText(kFirstAddress),
-                  fci::AddressText(kLastAddress)));
+                  config.arm_port, config.hand_port.value_or(fci::kHandPort),
+                  fci::AddressText(kFirstAddress), fci::AddressText(kLastAddress)));
 }
 
 }  // namespace
@@ -79,7 +98,11 @@ void ServedSession::Open() {
   robot::RobotConfig config = run::MakeServedConfig(scenario_, host_.files);
   config.viability = options_.viability;
   config.onboard.guard = GuardOf(options_, scenario_);
+  if (host_.place) host_.place(config.plant);
   server::ServedRobotSettings settings = MakeSettings();
+  if (config.protocol == fci::VersionOf(fci::Protocol::k10)) {
+    settings.server.robot_model = ServedModel(DataOfRobot().urdf);
+  }
   if (!host_.takes_free_address) return OpenThere(config, std::move(settings));
   for (std::uint32_t first = kFirstAddress;; ++first) {
     first = FreeAddress(first, settings.server);
@@ -129,7 +152,8 @@ void ServedSession::StartLog() {
   if (out_) out_->Clear();
   if (!has_log()) return;
   records_.Log(out_ ? out_->log() : *options_.log, run::InfoOf(LoggedScenario(), DataOfRobot()),
-               drive_.is_lockstep() ? record::FullRing::kWait : record::FullRing::kDrop);
+               drive_.is_lockstep() ? record::FullRing::kWait : record::FullRing::kDrop,
+               options_.SplitOfLog());
   // With scenes, so that pictures of it show hand and objects as they were, and with what the arm
   // touched when errors were raised.
   constexpr Duration kForever = std::chrono::hours(24 * 365);

@@ -142,6 +142,8 @@ class Teleoperation final : public Application {
   /// Runs beside the motion: hand, snapshots, trace.
   Time Attend(Time now);
   void TendHand(std::uint32_t presses);
+  [[nodiscard]] HandCommand FingerCommand(bool closes) const;
+  [[nodiscard]] HandCommand SuctionCommand(bool closes) const;
   void BeginPlan(teleop::Mode mode, Time now);
   void EvaluateObject(const Evidence& evidence, Evaluation& evaluation) const;
   void EvaluateCommands(Evaluation& evaluation) const;
@@ -152,6 +154,7 @@ class Teleoperation final : public Application {
   /// At the operator's presses; an object between the fingers may have any width.
   hand::Grasp grasp_{
       .width = 0.04, .speed = 0.05, .force = 30, .epsilon_inner = 0.04, .epsilon_outer = 0.04};
+  hand::Vacuum vacuum_{.vacuum = 75, .timeout_ms = 1000};
   ScriptedOperatorConfig operator_;
 
   const MonotonicClock clock_;  ///< of devices' own threads
@@ -320,14 +323,23 @@ Time Teleoperation::Attend(Time now) {
   return now + kAttend;
 }
 
+HandCommand Teleoperation::FingerCommand(bool closes) const {
+  if (closes) return grasp_;
+  return hand::Move{.width = kHandStroke, .speed = grasp_.speed};
+}
+
+HandCommand Teleoperation::SuctionCommand(bool closes) const {
+  if (closes) return vacuum_;
+  return hand::DropOff{.timeout_ms = vacuum_.timeout_ms};
+}
+
 void Teleoperation::TendHand(std::uint32_t presses) {
   const std::uint32_t since = presses - std::exchange(presses_, presses);
   backend::Hand* hand = stage_->session.connection().hand;
   if (since % 2 == 0 || hand == nullptr) return;
   const bool closes = presses % 2 == 1;
-  const HandCommand command =
-      closes ? HandCommand(grasp_)
-             : HandCommand(hand::Move{.width = kHandStroke, .speed = grasp_.speed});
+  const bool sucks = stage_->scenario.robot.hand == plant::HandKind::kCobotPump;
+  const HandCommand command = sucks ? SuctionCommand(closes) : FingerCommand(closes);
   try {
     static_cast<void>(hand->Start(command));
     stage_->session.Tell("operator", closes ? "closes the hand" : "opens the hand");

@@ -93,7 +93,8 @@ bool Spoil(RobotCommand& command, MotionGeneratorMode generator,
     field.fill(std::numeric_limits<double>::quiet_NaN());
   };
   switch (generator) {
-    case MotionGeneratorMode::kIdle: break;
+    case MotionGeneratorMode::kIdle:
+    case MotionGeneratorMode::kNone: break;
     case MotionGeneratorMode::kJointPosition: spoil(command.q_c); break;
     case MotionGeneratorMode::kJointVelocity: spoil(command.dq_c); break;
     case MotionGeneratorMode::kCartesianPosition: spoil(command.O_T_EE_c); break;

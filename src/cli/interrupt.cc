@@ -42,6 +42,10 @@ void InterruptGuard::Rearm() const {
   }
 }
 
+bool WasInterrupted() noexcept {
+  return interrupt_flag;
+}
+
 bool InterruptGuard::interrupted() const noexcept {
   return interrupt_flag;
 }

@@ -36,4 +36,8 @@ class InterruptGuard {
   std::array<struct sigaction, kSignals.size()> old_{};
 };
 
+/// Whether the user wanted to end, also after the last guard's life: the end is then still to be
+/// told. Threads: any.
+[[nodiscard]] bool WasInterrupted() noexcept;
+
 }  // namespace twin::cli

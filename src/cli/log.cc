@@ -17,6 +17,7 @@
 #include <spdlog/sinks/base_sink.h>
 #include <nlohmann/json.hpp>
 
+#include "cli/interrupt.h"
 #include "twin/core/error.h"
 
 namespace twin::cli {
@@ -43,6 +44,18 @@ std::string OneLine(std::string_view text) {
   std::ranges::replace(line, '\r', ' ');
   line.erase(line.find_last_not_of(' ') + 1);
   return line;
+}
+
+/// Waits until whoever reads `descriptor` takes something; a pipe then takes PIPE_BUF bytes at
+/// once. @returns false when `gives_up`, which is asked 20 times a second, says so before that.
+bool AwaitReader(int descriptor, const auto& gives_up) noexcept {
+  constexpr int kPeriod_ms = 50;
+  while (true) {
+    pollfd ready{.fd = descriptor, .events = POLLOUT, .revents = 0};
+    const int count = ::poll(&ready, 1, kPeriod_ms);
+    if (count > 0 || (count < 0 && errno != EINTR)) return true;  // writing tells what is wrong
+    if (gives_up()) return false;
+  }
 }
 
 class StderrSink final : public spdlog::sinks::base_sink<std::mutex> {
@@ -93,14 +106,10 @@ class EventLog::Sink final : public spdlog::sinks::base_sink<std::mutex> {
 
   /// Waits for the reader until the log ends. @returns whether all was written.
   [[nodiscard]] bool Write(std::string_view text) {
-    constexpr int kPeriod_ms = 200;
-    // A pipe that is ready takes PIPE_BUF bytes at once.
+    const auto ended = [this] { return ends.load(std::memory_order_relaxed); };
     while (!text.empty() && !gave_up_) {
-      pollfd ready{.fd = STDOUT_FILENO, .events = POLLOUT, .revents = 0};
-      const int count = ::poll(&ready, 1, kPeriod_ms);
-      if (count < 0 && errno != EINTR) return false;
-      gave_up_ = count == 0 && ends.load(std::memory_order_relaxed);
-      if (count <= 0) continue;
+      gave_up_ = !AwaitReader(STDOUT_FILENO, ended);
+      if (gave_up_) break;
       const auto written =
           ::write(STDOUT_FILENO, text.data(), std::min<std::size_t>(text.size(), PIPE_BUF));
       if (written < 0 && errno != EINTR) return false;
@@ -139,7 +148,12 @@ void EventLog::Put(double at_s, std::string_view text) {
 }
 
 void Say(std::FILE* stream, std::string_view text) noexcept {
-  static_cast<void>(std::fwrite(text.data(), 1, text.size(), stream));
+  while (!text.empty() && AwaitReader(::fileno(stream), WasInterrupted)) {
+    const std::size_t size = std::min<std::size_t>(text.size(), PIPE_BUF);
+    static_cast<void>(std::fwrite(text.data(), 1, size, stream));
+    std::fflush(stream);
+    text.remove_prefix(size);
+  }
 }
 
 void FinishOutput() {

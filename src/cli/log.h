@@ -57,8 +57,10 @@ class EventLog {
   std::shared_ptr<spdlog::logger> log_;
 };
 
-/// Writes `text` to `stream` (stdout, stderr). A failure is ignored: a reader that went away or a
-/// full disk must not end a run, nor the report of an error.
+/// Writes `text` to `stream` (stdout, stderr), at once. A failure is ignored: a reader that went
+/// away or a full disk must not end a run, nor the report of an error. Waits for a reader that
+/// takes nothing until the user wants to end, and then drops the rest: such a reader must not keep
+/// an arm moving.
 void Say(std::FILE* stream, std::string_view text) noexcept;
 
 /// For commands whose result is what they print: makes sure that it got out.

@@ -1,11 +1,13 @@
 #include "cli/serve_flags.h"
 
+#include <cstdint>
 #include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "twin/fci/protocol.h"
 #include "twin/model/lab_limits.h"
 #include "twin/server/served_robot.h"
 
@@ -40,13 +42,22 @@ std::string DescribeCaps(const model::LabLimits& limits) {
 }
 
 /// How programs made for the robot reach this one.
-std::string DescribeClients(const server::ServedRobot& robot) {
+std::string DescribeClients(const server::ServedRobot& robot, std::uint16_t protocol) {
   const fci::Endpoint arm = robot.arm();
   if (arm.port != fci::kArmPort) {
-    return "  use   our own programs: libfranka and what is built on it know ports 1337 and 1338 "
+    return "  use   our own programs: libfranka and what is built on it know ports 1337 to 1339 "
            "alone\n";
   }
   const std::string at = arm.address == 0 ? "127.0.0.1" : fci::AddressText(arm.address);
+  if (protocol == fci::VersionOf(fci::Protocol::k10)) {
+    return fmt::format(
+        "  use   libfranka 0.18 to 0.21  franka::Robot robot(\"{0}\", "
+        "franka::RealtimeConfig::kIgnore);\n"
+        "        pylibfranka    pylibfranka.Robot(\"{0}\", pylibfranka.RealtimeConfig.kIgnore)\n"
+        "        franky         franky.Robot(\"{0}\", realtime_config=franky.RealtimeConfig.Ignore)\n"
+        "        franka_ros2    ros2 launch franka_bringup franka.launch.py robot_ip:={0}\n",
+        at);
+  }
   return fmt::format(
       "  use   libfranka 0.9  franka::Robot robot(\"{0}\", franka::RealtimeConfig::kIgnore);\n"
       "        panda-py       panda_py.Panda(\"{0}\")\n"
@@ -80,7 +91,7 @@ std::string IntroductionOf(const ServeFlags& flags, application::ServedSession& 
   }
   text += fmt::format("  arm   {}\n", fci::ToString(robot.arm()));
   if (const auto hand = robot.hand()) text += fmt::format("  hand  {}\n", fci::ToString(*hand));
-  text += DescribeClients(robot);
+  text += DescribeClients(robot, session.DataOfRobot().protocol);
   text += flags.seconds ? fmt::format("  ends  after {} s, or on Ctrl-C\n", *flags.seconds)
                         : "  ends  on Ctrl-C\n";
   text += fmt::format("  {}\n", DescribeAccess(flags.network));

@@ -65,7 +65,8 @@ void AddNetwork(CLI::App& app, NetworkFlags& flags) {
   Add(app, "--bind", flags.bind, "Address to listen at")->capture_default_str();
   Add(app, "--allow CIDR", flags.allow, "Network that may connect, such as 192.168.1.0/24");
   Add(app, "--port", flags.arm_port, "TCP port of the arm; 0: any")->capture_default_str();
-  Add(app, "--hand-port", flags.hand_port, "TCP port of the hand; 0: any")->capture_default_str();
+  Add(app, "--hand-port", flags.hand_port,
+      "TCP port of the hand; 0: any (default: 1338, a cobot pump's 1339)");
 }
 
 Listening ListeningAt(const std::string& bind, const std::optional<std::string>& allow,
@@ -125,9 +126,14 @@ void AddSeed(CLI::App& app, std::optional<std::uint64_t>& seed, const char* what
       ->type_name("UINT");
 }
 
+std::filesystem::path ScenarioFile(const std::filesystem::path& named, const DataFlags& data,
+                                   const Host& host) {
+  return scenario::FindScenario(named, DataOf(data, host).models);
+}
+
 scenario::Scenario LoadScenario(const std::filesystem::path& named, const DataFlags& data,
                                 const Host& host) {
-  return scenario::Load(scenario::FindScenario(named, DataOf(data, host).models));
+  return scenario::Load(ScenarioFile(named, data, host));
 }
 
 void AddMayTouch(CLI::App& app, std::string& reason) {

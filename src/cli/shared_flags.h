@@ -54,7 +54,7 @@ struct NetworkFlags {
   std::string bind = "127.0.0.1";
   std::optional<std::string> allow;  ///< network that may connect
   std::uint16_t arm_port = fci::kArmPort;
-  std::uint16_t hand_port = fci::kHandPort;
+  std::optional<std::uint16_t> hand_port;  ///< absent: the hand's own
 };
 void AddNetwork(CLI::App& app, NetworkFlags& flags);
 /// Puts address, ports and network into a configuration that has them.
@@ -86,6 +86,9 @@ void RequirePageFlags(const PageFlags& flags);
 
 void AddSeed(CLI::App& app, std::optional<std::uint64_t>& seed,
              const char* what = "Seed of all random numbers, instead of the scenario's");
+/// The file of a command's scenario (scenario::FindScenario).
+[[nodiscard]] std::filesystem::path ScenarioFile(const std::filesystem::path& named,
+                                                 const DataFlags& data, const Host& host);
 /// The scenario of a command: a file, or one of the installed models (scenario::FindScenario).
 /// @throws InputError as scenario::Load; as DataOf.
 [[nodiscard]] scenario::Scenario LoadScenario(const std::filesystem::path& named,

@@ -35,6 +35,28 @@ Finding Find(const hand::Move& move, double max_width) noexcept {
   return FindMotion(move.width, move.speed, max_width);
 }
 
+Finding FindTimeout(std::int64_t timeout_ms) noexcept {
+  return Require(timeout_ms >= 0, "timeout_ms", static_cast<double>(timeout_ms),
+                 "not negative (ms)");
+}
+
+Finding Find(const hand::Vacuum& vacuum, double /*max_width*/) noexcept {
+  constexpr int kProfiles = 4;
+  if (const Finding found =
+          Require(vacuum.vacuum > 0, "vacuum", vacuum.vacuum, "in [1, 255] times 10 mbar")) {
+    return found;
+  }
+  if (const Finding found =
+          Require(vacuum.profile < kProfiles, "profile", vacuum.profile, "one of 0, 1, 2, 3")) {
+    return found;
+  }
+  return FindTimeout(vacuum.timeout_ms);
+}
+
+Finding Find(const hand::DropOff& drop, double /*max_width*/) noexcept {
+  return FindTimeout(drop.timeout_ms);
+}
+
 Finding Find(const hand::Grasp& grasp, double max_width) noexcept {
   if (const Finding found = FindMotion(grasp.width, grasp.speed, max_width)) return found;
   if (const Finding found = Require(grasp.force > 0 && grasp.force <= kMostForce, "force",
@@ -55,11 +77,28 @@ struct CommandNamer {
   std::string_view operator()(const hand::Move&) { return "Move"; }
   std::string_view operator()(const hand::Grasp&) { return "Grasp"; }
   std::string_view operator()(const hand::Stop&) { return "Stop"; }
+  std::string_view operator()(const hand::Vacuum&) { return "Vacuum"; }
+  std::string_view operator()(const hand::DropOff&) { return "Drop Off"; }
 };
+
+/// A command that the device does not have; Stop is both devices'.
+Finding FindForeign(const HandCommand& command, HandDevice device) noexcept {
+  if (std::holds_alternative<hand::Stop>(command)) return {};
+  const bool sucks = std::holds_alternative<hand::Vacuum>(command) ||
+                     std::holds_alternative<hand::DropOff>(command);
+  if (sucks == (device == HandDevice::kCobotPump)) return {};
+  return BadValue{"the command",
+                  {},
+                  {},
+                  sucks ? "homing, move, grasp or stop: the Franka Hand does not suck"
+                        : "vacuum, drop off or stop: the cobot pump has no fingers"};
+}
 
 }  // namespace
 
-std::optional<BadValue> FindBadValue(const HandCommand& command, double max_width) noexcept {
+std::optional<BadValue> FindBadValue(const HandCommand& command, double max_width,
+                                     HandDevice device) noexcept {
+  if (const Finding found = FindForeign(command, device)) return found;
   return std::visit([max_width](const auto& one) { return Find(one, max_width); }, command);
 }
 
@@ -73,6 +112,16 @@ std::string_view Name(HandResult result) noexcept {
     case HandResult::kFail: return "fail";
     case HandResult::kUnsuccessful: return "unsuccessful";
     case HandResult::kAborted: return "aborted";
+  }
+  return "unknown";
+}
+
+std::string_view Name(PumpStatus status) noexcept {
+  switch (status) {
+    case PumpStatus::kGreen: return "green";
+    case PumpStatus::kYellow: return "yellow";
+    case PumpStatus::kOrange: return "orange";
+    case PumpStatus::kRed: return "red";
   }
   return "unknown";
 }

@@ -1,5 +1,6 @@
 #include "twin/core/limits.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -19,6 +20,13 @@ void RequirePositive(const char* field, const JointVector& values) {
   }
 }
 
+/// @param distance  to the end of the range towards which the joint moves, rad.
+double VelocityTowards(const JointLimits& limits, std::size_t joint, double distance) noexcept {
+  if (limits.deceleration[joint] == 0) return limits.dq_max[joint];
+  const double braking = std::sqrt(std::max(0.0, 2 * limits.deceleration[joint] * distance));
+  return std::clamp(braking - limits.velocity_offset[joint], 0.0, limits.dq_max[joint]);
+}
+
 }  // namespace
 
 void JointLimits::Validate() const {
@@ -34,6 +42,23 @@ void JointLimits::Validate() const {
   RequirePositive("dddq_max", dddq_max);
   RequirePositive("tau_max", tau_max);
   RequirePositive("dtau_max", dtau_max);
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    for (const auto& [field, value] :
+         {std::pair{"velocity_offset", velocity_offset[i]}, {"deceleration", deceleration[i]}}) {
+      if (std::isfinite(value) && value >= 0) continue;
+      throw InputError(
+          fmt::format("joint limits: {} of joint {} is {}; it must be finite and not negative",
+                      field, i + 1, value));
+    }
+  }
+}
+
+double JointLimits::UpperVelocity(std::size_t joint, double q) const noexcept {
+  return VelocityTowards(*this, joint, q_max[joint] - q);
+}
+
+double JointLimits::LowerVelocity(std::size_t joint, double q) const noexcept {
+  return -VelocityTowards(*this, joint, q - q_min[joint]);
 }
 
 void CartesianLimits::Validate() const {

@@ -22,6 +22,7 @@ std::string_view Name(MotionGeneratorMode mode) noexcept {
     case MotionGeneratorMode::kJointVelocity: return "joint_velocity";
     case MotionGeneratorMode::kCartesianPosition: return "cartesian_position";
     case MotionGeneratorMode::kCartesianVelocity: return "cartesian_velocity";
+    case MotionGeneratorMode::kNone: return "none";
   }
   return "unknown";
 }

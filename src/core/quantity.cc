@@ -43,6 +43,8 @@ constexpr std::array kIntegralGainUnits{Unit{"Nm/rad/s", 1}};
 constexpr std::array kRateUnits{Unit{"1/s", 1}};
 constexpr std::array kInertiaUnits{Unit{"kg m^2", 1}};
 constexpr std::array kMassUnits{Unit{"kg", 1}, Unit{"g", 1e-3}};
+constexpr std::array kPressureUnits{Unit{"Pa", 1}, Unit{"kPa", 1e3}, Unit{"mbar", 100},
+                                    Unit{"bar", 1e5}};
 constexpr std::array kLengthUnits{Unit{"m", 1}, Unit{"mm", 1e-3}};
 constexpr std::array kVelocityUnits{Unit{"m/s", 1}, Unit{"mm/s", 1e-3}};
 constexpr std::array kAccelerationUnits{Unit{"m/s^2", 1}};
@@ -78,6 +80,7 @@ DimensionInfo Info(Dimension dimension) {
     case Dimension::kRate: return {"a rate", "10 1/s", kRateUnits};
     case Dimension::kInertia: return {"a moment of inertia", "0.2 kg m^2", kInertiaUnits};
     case Dimension::kMass: return {"a mass", "0.73 kg", kMassUnits};
+    case Dimension::kPressure: return {"a pressure", "600 mbar", kPressureUnits};
     case Dimension::kLength: return {"a length", "1.5 m", kLengthUnits};
     case Dimension::kVelocity: return {"a velocity", "1.5 m/s", kVelocityUnits};
     case Dimension::kAcceleration: return {"an acceleration", "10 m/s^2", kAccelerationUnits};

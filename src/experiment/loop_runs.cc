@@ -91,8 +91,7 @@ LoopSample SampleLoop(const Config& config, const scenario::Scenario& scenario) 
   SinkTo ticks([&](const record::TickRecord& tick) {
     if (last_read) sample.interval_us.push_back(1e6 * ToSeconds(tick.read - *last_read));
     last_read = tick.read;
-    if (tick.action == record::TickAction::kWritten ||
-        tick.action == record::TickAction::kFinished) {
+    if (record::WroteCommand(tick)) {
       sample.d_EXT_us.push_back(1e6 * ToSeconds(tick.written - tick.read));
     }
   });

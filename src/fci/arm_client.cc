@@ -19,9 +19,19 @@ constexpr int kMostAtOnce = 64;
 constexpr std::uint64_t kMostAhead = 1000;
 constexpr std::uint64_t kMostAheadPerMs = 2;
 
-/// Largest answer: GetCartesianLimit's. Model libraries are never requested: this program has its
-/// own model and runs no code from a robot.
-constexpr std::size_t kLargestArmAnswer = 166;
+/// Largest answer: GetCartesianLimit's, or the URDF. Model libraries are never requested: this
+/// program has its own model and runs no code from a robot.
+constexpr std::size_t LargestAnswer(Protocol protocol) noexcept {
+  return protocol == Protocol::k5 ? 166 : std::size_t{1} << 20;
+}
+
+/// What to do with a robot of another version than the scenario's.
+std::string_view CureOf(std::uint16_t theirs) noexcept {
+  if (theirs == VersionOf(Protocol::k10)) return "it is an FR3: say robot: {model: fr3}";
+  if (theirs == VersionOf(Protocol::k5)) return "it is a Panda: say robot: {model: panda}";
+  return theirs < VersionOf(Protocol::k5) ? "update the robot to system 4.2.1 or later"
+                                          : "update the robot to a system for libfranka 0.18";
+}
 
 std::string NameOf(const Endpoint& robot) {
   return fmt::format("the robot {}", ToString(robot));
@@ -37,9 +47,10 @@ struct ArmClient::Asked {
 };
 
 ArmClient::ArmClient(const MonotonicClock& clock, const std::string& host, std::uint16_t port,
-                     const ClientTimeout& timeout, Capture* capture)
+                     const ClientTimeout& timeout, Capture* capture, Protocol protocol)
     : clock_(clock),
       timeout_(timeout),
+      protocol_(protocol),
       silence_(timeout.state),
       capture_(capture),
       robot_(Resolve(host, port)) {
@@ -47,34 +58,38 @@ ArmClient::ArmClient(const MonotonicClock& clock, const std::string& host, std::
   // States go to the address of this connection, so listen only there.
   udp_ = std::make_unique<UdpSocket>(clock, Endpoint{stream.local().address, 0});
   channel_ = std::make_unique<RequestChannel>(HeadKind::kArm, std::move(stream), NameOf(robot_),
-                                              kLargestArmAnswer, timeout.answer, capture);
+                                              LargestAnswer(protocol), timeout.answer, capture);
   Negotiate();
 }
 
 ArmClient::~ArmClient() = default;
 
 void ArmClient::Negotiate() {
-  const Connect request{kArmVersion, udp_->local().port};
+  const std::uint16_t ours = VersionOf(protocol_);
+  const Connect request{ours, udp_->local().port};
   const ArmAnswer answer = Ask(request, timeout_.connect).answer;
   version_ = answer.version;
   if (answer.status == static_cast<std::uint8_t>(ConnectStatus::kSuccess)) return;
   if (answer.status != static_cast<std::uint8_t>(ConnectStatus::kIncompatibleLibraryVersion)) {
-    throw RobotFault(fmt::format("Connect: {} refuses with the unknown status {}; is it a Panda?",
+    throw RobotFault(fmt::format("Connect: {} refuses with the unknown status {}; is it an arm?",
                                  NameOf(robot_), answer.status));
   }
   throw RobotFault(fmt::format(
-      "Connect: {} speaks version {} of the Franka Control Interface, this program version {}; {}",
-      NameOf(robot_), answer.version, kArmVersion,
-      answer.version < kArmVersion ? "update the robot to system 4.2.1 or later"
-                                   : "it is no Panda but a later robot, for which this program is "
-                                     "not made"));
+      "Connect: {} speaks version {} of the Franka Control Interface, this program version {} with "
+      "the robot of the scenario; {}",
+      NameOf(robot_), answer.version, ours, CureOf(answer.version)));
 }
 
 ArmClient::Asked ArmClient::Ask(const ArmRequest& request, Duration timeout) {
   const ArmCommand command = CommandOf(request);
   const std::string_view name = Name(command);
+  if (!NumberOf(protocol_, command)) {
+    throw RobotFault(
+        fmt::format("{}: protocol {} has no such request", name, VersionOf(protocol_)));
+  }
   Asked asked;
-  asked.id = channel_->Send(name, [&](std::uint32_t id) { return EncodeRequest(id, request); });
+  asked.id =
+      channel_->Send(name, [&](std::uint32_t id) { return EncodeRequest(id, request, protocol_); });
   auto bytes = channel_->Await(asked.id, name, timeout);
   // An accepted Move has a second answer.
   if (command != ArmCommand::kMove) channel_->Forget(asked.id);
@@ -84,7 +99,7 @@ ArmClient::Asked ArmClient::Ask(const ArmRequest& request, Duration timeout) {
                                  name, NameOf(robot_), ToSeconds(timeout)));
   }
   asked.bytes = std::move(*bytes);
-  const auto answer = ParseArmAnswer(command, asked.bytes.frame());
+  const auto answer = ParseArmAnswer(command, asked.bytes.frame(), protocol_);
   if (const auto* bad = std::get_if<BadFrame>(&answer)) {
     channel_->Forget(asked.id);
     throw RobotFault(
@@ -121,7 +136,7 @@ std::optional<MoveStatus> ArmClient::AwaitMotionEnd(Duration timeout) noexcept {
   try {
     const auto bytes = channel_->Await(*move_id_, Name(ArmCommand::kMove), timeout);
     if (!bytes) return std::nullopt;
-    const auto answer = ParseArmAnswer(ArmCommand::kMove, bytes->frame());
+    const auto answer = ParseArmAnswer(ArmCommand::kMove, bytes->frame(), protocol_);
     const auto* read = std::get_if<ArmAnswer>(&answer);
     // Any other answer still means that the motion has ended.
     last_move_end_ = read == nullptr ? MoveStatus::kAborted : static_cast<MoveStatus>(read->status);
@@ -157,6 +172,12 @@ RecoveryStatus ArmClient::Recover() {
 
 TwinKind ArmClient::AskForTwin() {
   try {
+    if (protocol_ == Protocol::k10) {
+      const Asked asked = Ask(GetRobotModel{}, timeout_.connect);
+      const std::span<const std::byte> urdf = asked.answer.library;
+      // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): text in received bytes.
+      return TwinKindOf({reinterpret_cast<const char*>(urdf.data()), urdf.size()});
+    }
     const ArmAnswer answer = Ask(GetCartesianLimit{kTwinSign}, timeout_.connect).answer;
     const bool is_wall = answer.status == static_cast<std::uint8_t>(SetterStatus::kSuccess);
     return is_wall ? TwinKindOf(answer.limit) : TwinKind::kNone;
@@ -194,7 +215,7 @@ bool ArmClient::Accept(const Datagram& datagram) noexcept {
     foreign_.fetch_add(1, std::memory_order_relaxed);
     return false;
   }
-  if (Decode(datagram.bytes, received_) != DatagramFault::kNone) {
+  if (Decode(protocol_, datagram.bytes, received_) != DatagramFault::kNone) {
     bad_.fetch_add(1, std::memory_order_relaxed);
     return false;
   }
@@ -243,7 +264,7 @@ ReceiveResult ArmClient::FoundNone() noexcept {
 
 void ArmClient::Send(const RobotCommand& command) noexcept {
   if (!has_state_) return;
-  Encode(command, command_bytes_);
+  static_cast<void>(Encode(protocol_, command, command_bytes_));
   answered_id_ = command.message_id;
   SendBytes();
 }
@@ -253,8 +274,9 @@ void ArmClient::SendAgain() noexcept {
 }
 
 void ArmClient::SendBytes() noexcept {
-  if (capture_ != nullptr) Keep(capture_->clock().Now(), udp_->local(), to_, command_bytes_);
-  static_cast<void>(udp_->Send(command_bytes_, to_));
+  const auto bytes = std::span(std::as_const(command_bytes_)).first(CommandBytesOf(protocol_));
+  if (capture_ != nullptr) Keep(capture_->clock().Now(), udp_->local(), to_, bytes);
+  static_cast<void>(udp_->Send(bytes, to_));
 }
 
 void ArmClient::Keep(Time at, const Endpoint& from, const Endpoint& to,

@@ -19,40 +19,42 @@ RecoveryStatus RecoveryEnd(RobotMode mode) noexcept {
 
 }  // namespace
 
-ArmSession::ArmSession(ArmService& service, Answers answers)
-    : service_(service), answers_(std::move(answers)) {}
+ArmSession::ArmSession(ArmService& service, Answers answers, Protocol protocol)
+    : service_(service), answers_(std::move(answers)), protocol_(protocol) {}
 
 template <typename Status>
 void ArmSession::Answer(ArmCommand command, std::uint32_t command_id, Status status) {
-  answers_(EncodeArmAnswer(command, command_id, static_cast<std::uint8_t>(status)));
+  answers_(EncodeArmAnswer(command, command_id, static_cast<std::uint8_t>(status), protocol_));
 }
 
 template <typename Status>
 ArmSession::Outcome ArmSession::Answer(Status status) {
-  Answer(static_cast<ArmCommand>(head_.command), head_.command_id, status);
+  Answer(asked_, head_.command_id, status);
   return {};
 }
 
 std::optional<std::string> ArmSession::OnFrame(const Frame& frame) {
   head_ = frame.head;
-  const std::variant<ArmRequest, BadFrame> parsed = ParseArmRequest(frame);
+  const std::variant<ArmRequest, BadFrame> parsed = ParseArmRequest(frame, protocol_);
   if (const auto* bad = std::get_if<BadFrame>(&parsed)) return bad->what;
   const auto& request = std::get<ArmRequest>(parsed);
+  asked_ = CommandOf(request);
   const bool connects = std::holds_alternative<Connect>(request);
   if (connects && udp_port_) return "a second Connect";
   if (!connects && !udp_port_) {
-    return fmt::format("{} before Connect", Name(static_cast<ArmCommand>(head_.command)));
+    return fmt::format("{} before Connect", Name(asked_));
   }
   return std::visit([this](const auto& one) { return Take(one); }, request);
 }
 
 ArmSession::Outcome ArmSession::Take(const Connect& connect) {
-  const bool fits = connect.version == kArmVersion;
+  const std::uint16_t version = VersionOf(protocol_);
+  const bool fits = connect.version == version;
   const auto status = fits ? ConnectStatus::kSuccess : ConnectStatus::kIncompatibleLibraryVersion;
   if (fits && connect.udp_port == 0) return "Connect without a UDP port for states";
-  answers_(EncodeArmConnectAnswer(head_.command_id, status, kArmVersion));
+  answers_(EncodeArmConnectAnswer(head_.command_id, status, version));
   if (!fits) {
-    return fmt::format("it speaks protocol {}; this robot speaks {}", connect.version, kArmVersion);
+    return fmt::format("it speaks protocol {}; this robot speaks {}", connect.version, version);
   }
   udp_port_ = connect.udp_port;
   return {};
@@ -111,6 +113,11 @@ ArmSession::Outcome ArmSession::Take(const LoadModelLibrary& machine) {
   const std::span<const std::byte> library = service_.ModelLibrary(machine);
   const auto status = library.empty() ? ModelLibraryStatus::kError : ModelLibraryStatus::kSuccess;
   answers_(EncodeModelLibraryAnswer(head_.command_id, status, library));
+  return {};
+}
+
+ArmSession::Outcome ArmSession::Take(const GetRobotModel& /*request*/) {
+  answers_(EncodeRobotModelAnswer(head_.command_id, service_.RobotModel()));
   return {};
 }
 

@@ -12,16 +12,25 @@ namespace twin::fci {
 namespace {
 
 /// The highest valid number of a mode.
-template <typename Mode>
-inline constexpr std::uint8_t kLastMode = 0;
-template <>
-inline constexpr auto kLastMode<RobotMode> =
-    static_cast<std::uint8_t>(RobotMode::kAutomaticErrorRecovery);
-template <>
-inline constexpr auto kLastMode<MotionGeneratorMode> =
-    static_cast<std::uint8_t>(MotionGeneratorMode::kCartesianVelocity);
-template <>
-inline constexpr auto kLastMode<ControllerMode> = static_cast<std::uint8_t>(ControllerMode::kOther);
+template <Protocol kProtocol, typename Mode>
+constexpr std::uint8_t LastMode() {
+  if constexpr (std::is_same_v<Mode, RobotMode>) {
+    return static_cast<std::uint8_t>(RobotMode::kAutomaticErrorRecovery);
+  } else if constexpr (std::is_same_v<Mode, MotionGeneratorMode>) {
+    return static_cast<std::uint8_t>(kProtocol == Protocol::k5
+                                         ? MotionGeneratorMode::kCartesianVelocity
+                                         : MotionGeneratorMode::kNone);
+  } else if constexpr (std::is_same_v<Mode, PumpStatus>) {
+    return static_cast<std::uint8_t>(PumpStatus::kRed);
+  } else {
+    static_assert(std::is_same_v<Mode, ControllerMode>);
+    return static_cast<std::uint8_t>(ControllerMode::kOther);
+  }
+}
+
+/// Where protocol 10 has a command's torque_command_finished.
+constexpr std::size_t kTorqueFinishedAt = kCommandBytes;
+static_assert(kTorqueFinishedAt + 1 == kCommand10Bytes);
 
 /// Whether a datagram may contain NaN or infinity.
 enum class NotFinite : bool { kTaken, kRefused };
@@ -38,13 +47,15 @@ bool IsFinite(const std::array<double, N>& values) noexcept {
   return all;
 }
 
-template <typename T, NotFinite kNotFinite>
+/// @tparam kHalved  numbers are in single precision.
+template <Protocol kProtocol, NotFinite kNotFinite, bool kHalved, typename T>
 DatagramFault FaultIn(const std::byte* at) noexcept {
   if constexpr (std::is_enum_v<T>) {
-    if (static_cast<std::uint8_t>(*at) > kLastMode<T>) return DatagramFault::kEnum;
+    if (static_cast<std::uint8_t>(*at) > LastMode<kProtocol, T>()) return DatagramFault::kEnum;
   } else if constexpr (wire::kIsFlags<T>) {
     if (!wire::AreFlags({at, wire::kBytes<T>})) return DatagramFault::kBool;
   } else if constexpr (kNotFinite == NotFinite::kRefused) {
+    static_assert(!kHalved, "commands are in double precision");
     T value;
     wire::Take(at, value);
     if (!IsFinite(value)) return DatagramFault::kNotFinite;
@@ -52,65 +63,122 @@ DatagramFault FaultIn(const std::byte* at) noexcept {
   return DatagramFault::kNone;
 }
 
-template <typename Struct, typename Fields>
-void EncodeFields(const Struct& datagram, const Fields& fields, std::byte* bytes) noexcept {
-  std::apply(
-      [&](const auto&... field) {
-        (wire::Put(bytes + field.offset, datagram.*(field.member)), ...);
-      },
-      fields);
+template <Protocol kProtocol, bool kHalves, typename Struct, typename... Field>
+void EncodeFields(const Struct& datagram, const std::tuple<Field...>& fields,
+                  std::byte* bytes) noexcept {
+  const auto put = [&]<typename One>(const One& field) {
+    const std::size_t offset = field.OffsetIn(kProtocol);
+    if (offset == kAbsent) return;
+    if constexpr (kHalves && wire::kIsReal<typename One::Type>) {
+      wire::PutSingle(bytes + offset, datagram.*(field.member));
+    } else {
+      wire::Put(bytes + offset, datagram.*(field.member));
+    }
+  };
+  std::apply([&](const auto&... field) { (put(field), ...); }, fields);
 }
 
 /// Checks all fields before it writes the first, so that a bad datagram changes nothing.
-template <NotFinite kNotFinite, typename Struct, typename... Field>
+template <Protocol kProtocol, bool kHalves, NotFinite kNotFinite, typename Struct,
+          typename... Field>
 DatagramFault DecodeFields(std::span<const std::byte> bytes, std::size_t size,
                            const std::tuple<Field...>& fields, Struct& datagram) noexcept {
   if (bytes.size() < size) return DatagramFault::kSize;
   DatagramFault fault = DatagramFault::kNone;
-  const auto is_good = [&fault](DatagramFault found) {
-    fault = found;
-    return found == DatagramFault::kNone;
+  const auto is_good = [&]<typename One>(const One& field) {
+    using Type = typename One::Type;
+    constexpr bool kHalved = kHalves && wire::kIsReal<Type>;
+    const std::size_t offset = field.OffsetIn(kProtocol);
+    if (offset == kAbsent) return true;
+    fault = FaultIn<kProtocol, kNotFinite, kHalved, Type>(bytes.data() + offset);
+    return fault == DatagramFault::kNone;
   };
-  std::apply(
-      [&](const auto&... field) {
-        static_cast<void>(
-            (is_good(FaultIn<typename Field::Type, kNotFinite>(bytes.data() + field.offset)) &&
-             ...));
-      },
-      fields);
+  std::apply([&](const auto&... field) { static_cast<void>((is_good(field) && ...)); }, fields);
   if (fault != DatagramFault::kNone) return fault;
-  std::apply(
-      [&](const auto&... field) {
-        (wire::Take(bytes.data() + field.offset, datagram.*(field.member)), ...);
-      },
-      fields);
+  const auto take = [&]<typename One>(const One& field) {
+    const std::size_t offset = field.OffsetIn(kProtocol);
+    if (offset == kAbsent) return;
+    if constexpr (kHalves && wire::kIsReal<typename One::Type>) {
+      wire::TakeSingle(bytes.data() + offset, datagram.*(field.member));
+    } else {
+      wire::Take(bytes.data() + offset, datagram.*(field.member));
+    }
+  };
+  std::apply([&](const auto&... field) { (take(field), ...); }, fields);
   return DatagramFault::kNone;
 }
 
 }  // namespace
 
 void Encode(const RobotState& state, StateBytes& bytes) noexcept {
-  EncodeFields(state, kStateFields, bytes.data());
+  EncodeFields<Protocol::k5, false>(state, kStateFields, bytes.data());
 }
 
 void Encode(const RobotCommand& command, CommandBytes& bytes) noexcept {
-  EncodeFields(command, kCommandFields, bytes.data());
+  EncodeFields<Protocol::k5, false>(command, kCommandFields, bytes.data());
 }
 
 void Encode(const HandState& state, HandStateBytes& bytes) noexcept {
-  EncodeFields(state, kHandStateFields, bytes.data());
+  EncodeFields<Protocol::k5, false>(state, kHandStateFields, bytes.data());
+}
+
+std::span<const std::byte> Encode(Protocol protocol, const RobotState& state,
+                                  StateBytes& bytes) noexcept {
+  if (protocol == Protocol::k5) {
+    Encode(state, bytes);
+  } else {
+    EncodeFields<Protocol::k10, true>(state, kStateFields, bytes.data());
+  }
+  return std::span(bytes).first(StateBytesOf(protocol));
+}
+
+std::span<const std::byte> Encode(Protocol protocol, const RobotCommand& command,
+                                  AnyCommandBytes& bytes) noexcept {
+  EncodeFields<Protocol::k5, false>(command, kCommandFields, bytes.data());
+  wire::Put(bytes.data() + kTorqueFinishedAt, command.motion_generation_finished);
+  return std::span(bytes).first(CommandBytesOf(protocol));
+}
+
+void Encode(const VacuumState& state, VacuumStateBytes& bytes) noexcept {
+  EncodeFields<Protocol::k5, false>(state, kVacuumStateFields, bytes.data());
 }
 
 DatagramFault Decode(std::span<const std::byte> bytes, RobotState& state) noexcept {
-  return DecodeFields<NotFinite::kTaken>(bytes, kStateBytes, kStateFields, state);
+  return DecodeFields<Protocol::k5, false, NotFinite::kTaken>(bytes, kStateBytes, kStateFields,
+                                                              state);
 }
 
 DatagramFault Decode(std::span<const std::byte> bytes, RobotCommand& command) noexcept {
-  return DecodeFields<NotFinite::kRefused>(bytes, kCommandBytes, kCommandFields, command);
+  return DecodeFields<Protocol::k5, false, NotFinite::kRefused>(bytes, kCommandBytes,
+                                                                kCommandFields, command);
 }
 
 DatagramFault Decode(std::span<const std::byte> bytes, HandState& state) noexcept {
-  return DecodeFields<NotFinite::kTaken>(bytes, kHandStateBytes, kHandStateFields, state);
+  return DecodeFields<Protocol::k5, false, NotFinite::kTaken>(bytes, kHandStateBytes,
+                                                              kHandStateFields, state);
+}
+
+DatagramFault Decode(Protocol protocol, std::span<const std::byte> bytes,
+                     RobotState& state) noexcept {
+  if (protocol == Protocol::k5) return Decode(bytes, state);
+  return DecodeFields<Protocol::k10, true, NotFinite::kTaken>(bytes, kState10Bytes, kStateFields,
+                                                              state);
+}
+
+DatagramFault Decode(Protocol protocol, std::span<const std::byte> bytes,
+                     RobotCommand& command) noexcept {
+  if (protocol == Protocol::k5) return Decode(bytes, command);
+  if (bytes.size() < kCommand10Bytes) return DatagramFault::kSize;
+  if (!wire::AreFlags(bytes.subspan(kTorqueFinishedAt, 1))) return DatagramFault::kBool;
+  const DatagramFault fault = Decode(bytes, command);
+  const bool ends = bytes[kTorqueFinishedAt] == std::byte{1};
+  if (fault == DatagramFault::kNone && ends) command.motion_generation_finished = true;
+  return fault;
+}
+
+DatagramFault Decode(std::span<const std::byte> bytes, VacuumState& state) noexcept {
+  return DecodeFields<Protocol::k5, false, NotFinite::kTaken>(bytes, kVacuumStateBytes,
+                                                              kVacuumStateFields, state);
 }
 
 std::string_view FieldWithoutNumber(const RobotState& state) noexcept {

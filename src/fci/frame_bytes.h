@@ -24,8 +24,10 @@ namespace twin::fci {
 /// A frame under construction: its head is written, its payload is allocated.
 class NewFrame {
  public:
-  NewFrame(ArmCommand command, std::uint32_t command_id, std::size_t payload_bytes);
+  /// Of the arm. @param number  of the request in the protocol.
+  NewFrame(std::uint32_t number, std::uint32_t command_id, std::size_t payload_bytes);
   NewFrame(HandCommandId command, std::uint32_t command_id, std::size_t payload_bytes);
+  NewFrame(VacuumCommandId command, std::uint32_t command_id, std::size_t payload_bytes);
 
   [[nodiscard]] std::byte* payload() noexcept { return bytes_.data() + head_bytes_; }
   [[nodiscard]] std::vector<std::byte> Release() && noexcept { return std::move(bytes_); }

@@ -2,14 +2,17 @@
 
 #include <array>
 #include <condition_variable>
+#include <span>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "fci/request_channel.h"
 #include "twin/core/error.h"
 #include "twin/fci/datagrams.h"
+#include "twin/fci/hand_state_id.h"
 #include "twin/fci/requests.h"
 
 namespace twin::fci {
@@ -22,13 +25,28 @@ constexpr std::size_t kLargestHandAnswer = 14;
 constexpr Duration kAtOnce = std::chrono::seconds(1);
 constexpr Duration kNextState = std::chrono::milliseconds(100);
 
+std::vector<std::byte> Encoded(HandDevice device, std::uint32_t id, const HandRequest& request) {
+  return device == HandDevice::kCobotPump ? EncodeVacuumRequest(id, request)
+                                          : EncodeRequest(id, request);
+}
+
+/// Reads a state of either device. @returns whether it is one.
+bool DecodeState(HandDevice device, std::span<const std::byte> bytes, HandState& state) {
+  if (device == HandDevice::kFrankaHand) return Decode(bytes, state) == DatagramFault::kNone;
+  VacuumState& pump = state.pump.emplace();
+  if (Decode(bytes, pump) != DatagramFault::kNone) return false;
+  state.message_id = pump.message_id;
+  state.is_grasped = pump.part_present;
+  return true;
+}
+
 }  // namespace
 
 /// Holds the newest state; the channel's reader thread fills it.
 class HandClient::Mailbox {
  public:
-  Mailbox(std::uint32_t robot, const Endpoint& local, Capture* capture)
-      : robot_(robot), capture_(capture), socket_(clock_, local) {}
+  Mailbox(HandDevice device, std::uint32_t robot, const Endpoint& local, Capture* capture)
+      : device_(device), robot_(robot), capture_(capture), socket_(clock_, local) {}
 
   [[nodiscard]] std::uint16_t port() const noexcept { return socket_.local().port; }
   [[nodiscard]] int fd() const noexcept { return socket_.fd(); }
@@ -39,10 +57,10 @@ class HandClient::Mailbox {
       Keep(*datagram);
       HandState state;
       if (!IsFromHand(datagram->from)) continue;
-      if (Decode(datagram->bytes, state) != DatagramFault::kNone) continue;
+      if (!DecodeState(device_, datagram->bytes, state)) continue;
       if (!from_) socket_.ListenOnlyTo(from_.emplace(datagram->from));
       const std::lock_guard lock(mutex_);
-      if (newest_ && state.message_id <= newest_->message_id) continue;
+      if (newest_ && !IsNewer(state.message_id, newest_->message_id)) continue;
       newest_ = state;
       has_fresh_ = true;
       came_.notify_all();
@@ -74,6 +92,7 @@ class HandClient::Mailbox {
                    .bytes = datagram.bytes});
   }
 
+  const HandDevice device_;
   const std::uint32_t robot_;
   Capture* const capture_;
   // An own clock, because another one may be restarted while this thread receives.
@@ -87,11 +106,12 @@ class HandClient::Mailbox {
 };
 
 HandClient::HandClient(const std::string& host, std::uint16_t port, const ClientTimeout& timeout,
-                       Capture* capture)
-    : timeout_(timeout), name_(fmt::format("the hand {}:{}", host, port)) {
+                       Capture* capture, HandDevice device)
+    : timeout_(timeout), device_(device), name_(fmt::format("the hand {}:{}", host, port)) {
   const Endpoint hand = Resolve(host, port);
   TcpStream stream = TcpStream::Connect(hand, timeout.connect);
-  states_ = std::make_unique<Mailbox>(hand.address, Endpoint{stream.local().address, 0}, capture);
+  states_ =
+      std::make_unique<Mailbox>(device, hand.address, Endpoint{stream.local().address, 0}, capture);
   channel_ = std::make_unique<RequestChannel>(
       HeadKind::kHand, std::move(stream), name_, kLargestHandAnswer, timeout.answer, capture,
       SideSocket{states_->fd(), [this] { states_->Drain(); }});
@@ -102,9 +122,9 @@ HandClient::~HandClient() = default;
 
 void HandClient::Negotiate(std::uint16_t udp_port) {
   constexpr std::string_view kName = "Connect";
-  const HandRequest request = Connect{kHandVersion, udp_port};
+  const HandRequest request = Connect{VersionOf(device_), udp_port};
   const std::uint32_t id =
-      channel_->Send(kName, [&](std::uint32_t own) { return EncodeRequest(own, request); });
+      channel_->Send(kName, [&](std::uint32_t own) { return Encoded(device_, own, request); });
   const auto bytes = channel_->Await(id, kName, timeout_.connect);
   channel_->Forget(id);
   if (!bytes) {
@@ -120,14 +140,14 @@ void HandClient::Negotiate(std::uint16_t udp_port) {
   throw RobotFault(
       fmt::format("Connect: {} speaks version {} of its interface, this program version {}; update "
                   "whichever is older",
-                  name_, read.version, kHandVersion));
+                  name_, read.version, VersionOf(device_)));
 }
 
 HandTicket HandClient::Start(const HandCommand& command) {
   const std::lock_guard lock(mutex_);
   const HandRequest request = command;
   const HandTicket ticket = channel_->Send(
-      twin::Name(command), [&](std::uint32_t id) { return EncodeRequest(id, request); });
+      twin::Name(command), [&](std::uint32_t id) { return Encoded(device_, id, request); });
   for (Sent& before : sent_) Update(before, kAtOnce);
   sent_.push_back({ticket, {}});
   if (std::holds_alternative<hand::Stop>(command)) Update(sent_.back(), kAtOnce);

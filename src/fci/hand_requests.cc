@@ -1,57 +1,35 @@
 #include <fmt/format.h>
 
-#include "fci/frame_bytes.h"
-#include "fci/message_fields.h"
-#include "twin/fci/requests.h"
+#include "fci/device_requests.h"
+#include "twin/core/error.h"
 
 namespace twin::fci {
 namespace {
 
-using ParsedHandRequest = std::variant<HandRequest, BadFrame>;
-
-template <typename Message>
-ParsedHandRequest ParseHand(const Frame& frame) {
-  Message message;
-  const std::string_view name = Name(static_cast<HandCommandId>(frame.head.command));
-  if (auto bad = wire::ReadRequest(name, frame.payload, message)) return *std::move(bad);
-  if constexpr (std::is_same_v<Message, Connect>) {
-    return HandRequest(message);
-  } else {
-    return HandRequest(HandCommand(message));
-  }
-}
-
-/// Maps each message to its command.
-struct HandCommander {
+struct HandNumbers {
   HandCommandId operator()(const Connect&) { return HandCommandId::kConnect; }
   HandCommandId operator()(const hand::Homing&) { return HandCommandId::kHoming; }
   HandCommandId operator()(const hand::Grasp&) { return HandCommandId::kGrasp; }
   HandCommandId operator()(const hand::Move&) { return HandCommandId::kMove; }
   HandCommandId operator()(const hand::Stop&) { return HandCommandId::kStop; }
+  /// The vacuum gripper's.
+  HandCommandId operator()(const auto&) {
+    TWIN_CHECK(false);
+    return {};
+  }
 };
-
-template <typename Message>
-std::vector<std::byte> EncodeHandMessage(std::uint32_t command_id, const Message& message) {
-  NewFrame frame(HandCommander()(message), command_id, wire::kPayload<Message>);
-  wire::PutFields(frame.payload(), message);
-  return std::move(frame).Release();
-}
-
-std::vector<std::byte> EncodeHandMessage(std::uint32_t command_id, const HandCommand& command) {
-  return std::visit([command_id](const auto& one) { return EncodeHandMessage(command_id, one); },
-                    command);
-}
 
 }  // namespace
 
-ParsedHandRequest ParseHandRequest(const Frame& frame) {
+std::variant<HandRequest, BadFrame> ParseHandRequest(const Frame& frame) {
   // The hand's head has a 16-bit command; a larger one cannot come from a stream.
+  using Id = HandCommandId;
   switch (frame.head.command) {
-    case static_cast<std::uint32_t>(HandCommandId::kConnect): return ParseHand<Connect>(frame);
-    case static_cast<std::uint32_t>(HandCommandId::kHoming): return ParseHand<hand::Homing>(frame);
-    case static_cast<std::uint32_t>(HandCommandId::kGrasp): return ParseHand<hand::Grasp>(frame);
-    case static_cast<std::uint32_t>(HandCommandId::kMove): return ParseHand<hand::Move>(frame);
-    case static_cast<std::uint32_t>(HandCommandId::kStop): return ParseHand<hand::Stop>(frame);
+    case static_cast<std::uint32_t>(Id::kConnect): return ParseAs<Connect, Id>(frame);
+    case static_cast<std::uint32_t>(Id::kHoming): return ParseAs<hand::Homing, Id>(frame);
+    case static_cast<std::uint32_t>(Id::kGrasp): return ParseAs<hand::Grasp, Id>(frame);
+    case static_cast<std::uint32_t>(Id::kMove): return ParseAs<hand::Move, Id>(frame);
+    case static_cast<std::uint32_t>(Id::kStop): return ParseAs<hand::Stop, Id>(frame);
     default: break;
   }
   return BadFrame{fmt::format("command {} is none of the hand's, which are 0 to {}",
@@ -59,8 +37,7 @@ ParsedHandRequest ParseHandRequest(const Frame& frame) {
 }
 
 std::vector<std::byte> EncodeRequest(std::uint32_t command_id, const HandRequest& request) {
-  return std::visit([command_id](const auto& one) { return EncodeHandMessage(command_id, one); },
-                    request);
+  return EncodeWith<HandNumbers>(command_id, request);
 }
 
 }  // namespace twin::fci

@@ -8,32 +8,32 @@
 
 namespace twin::fci {
 
-HandSession::HandSession(HandService& service, Answers answers)
-    : service_(service), answers_(std::move(answers)) {}
+HandSession::HandSession(HandService& service, Answers answers, HandDevice device)
+    : service_(service), answers_(std::move(answers)), device_(device) {}
 
 std::optional<std::string> HandSession::OnFrame(const Frame& frame) {
-  const std::variant<HandRequest, BadFrame> parsed = ParseHandRequest(frame);
+  const std::variant<HandRequest, BadFrame> parsed =
+      device_ == HandDevice::kCobotPump ? ParseVacuumRequest(frame) : ParseHandRequest(frame);
   if (const auto* bad = std::get_if<BadFrame>(&parsed)) return bad->what;
   const auto& request = std::get<HandRequest>(parsed);
   if (const auto* connect = std::get_if<Connect>(&request)) {
     if (udp_port_) return "a second Connect";
     return Take(*connect, frame.head.command_id);
   }
-  if (!udp_port_) {
-    const auto asked = static_cast<HandCommandId>(frame.head.command);
-    return fmt::format("{} before Connect", Name(asked));
-  }
-  Take(std::get<HandCommand>(request), frame.head);
+  const auto& command = std::get<HandCommand>(request);
+  if (!udp_port_) return fmt::format("{} before Connect", twin::Name(command));
+  Take(command, frame.head);
   return {};
 }
 
 std::optional<std::string> HandSession::Take(const Connect& connect, std::uint32_t command_id) {
-  const bool fits = connect.version == kHandVersion;
+  const std::uint16_t version = VersionOf(device_);
+  const bool fits = connect.version == version;
   const auto status = fits ? ConnectStatus::kSuccess : ConnectStatus::kIncompatibleLibraryVersion;
   if (fits && connect.udp_port == 0) return "Connect without a UDP port for states";
-  answers_(EncodeHandConnectAnswer(command_id, status, kHandVersion));
+  answers_(EncodeHandConnectAnswer(command_id, status, version));
   if (!fits) {
-    return fmt::format("it speaks protocol {}; this hand speaks {}", connect.version, kHandVersion);
+    return fmt::format("it speaks protocol {}; this hand speaks {}", connect.version, version);
   }
   udp_port_ = connect.udp_port;
   return {};

@@ -88,10 +88,24 @@ template <>
 inline constexpr std::tuple kFields<hand::Move>{Field{"width", &hand::Move::width},
                                                 Field{"speed", &hand::Move::speed}};
 template <>
+inline constexpr std::tuple kFields<hand::Vacuum>{Field{"vacuum", &hand::Vacuum::vacuum},
+                                                  Field{"profile", &hand::Vacuum::profile},
+                                                  Field{"timeout_ms", &hand::Vacuum::timeout_ms}};
+template <>
+inline constexpr std::tuple kFields<hand::DropOff>{Field{"timeout_ms", &hand::DropOff::timeout_ms}};
+template <>
 inline constexpr std::tuple kFields<CartesianLimit>{
     Field{"object_world_size", &CartesianLimit::object_world_size},
     Field{"object_frame", &CartesianLimit::object_frame},
     Field{"object_activation", &CartesianLimit::object_activation}};
+
+/// The fields of a T in a protocol.
+template <typename T, Protocol kProtocol>
+inline constexpr auto kFieldsIn = kFields<T>;
+template <>
+inline constexpr auto kFieldsIn<Move, Protocol::k10> =
+    std::tuple_cat(kFields<Move>, std::tuple{Field{"asynchronous", &Move::asynchronous},
+                                             Field{"maximum_velocity", &Move::maximum_velocity}});
 
 template <typename T, typename Value>
 [[nodiscard]] constexpr std::size_t BytesOf(const Field<T, Value>& /*field*/) {
@@ -99,12 +113,13 @@ template <typename T, typename Value>
 }
 
 /// Bytes of T's payload.
-template <typename T>
-inline constexpr std::size_t kPayload =
-    std::apply([](auto... field) { return (std::size_t{0} + ... + BytesOf(field)); }, kFields<T>);
+template <typename T, Protocol kProtocol = Protocol::k5>
+inline constexpr std::size_t kPayload = std::apply(
+    [](auto... field) { return (std::size_t{0} + ... + BytesOf(field)); }, kFieldsIn<T, kProtocol>);
 
 static_assert(kPayload<Connect> == 4);
 static_assert(kPayload<Move> == 56);
+static_assert(kPayload<Move, Protocol::k10> == 113);
 static_assert(kPayload<StopMove> == 0);
 static_assert(kPayload<GetCartesianLimit> == 4);
 static_assert(kPayload<setting::CollisionBehavior> == 416);
@@ -117,27 +132,30 @@ static_assert(kPayload<setting::Load> == 104);
 static_assert(kPayload<setting::Filters> == 40);
 static_assert(kPayload<AutomaticErrorRecovery> == 0);
 static_assert(kPayload<LoadModelLibrary> == 2);
+static_assert(kPayload<GetRobotModel> == 0);
 static_assert(kPayload<hand::Homing> == 0);
 static_assert(kPayload<hand::Grasp> == 40);
 static_assert(kPayload<hand::Move> == 16);
 static_assert(kPayload<hand::Stop> == 0);
+static_assert(kPayload<hand::Vacuum> == 10);
+static_assert(kPayload<hand::DropOff> == 8);
 static_assert(kPayload<CartesianLimit> == 153);
 static_assert(kArmHeadBytes + kPayload<setting::CollisionBehavior> == kLargestArmRequest);
 static_assert(kHandHeadBytes + kPayload<hand::Grasp> == kLargestHandRequest);
 
-/// @param at  kPayload<T> bytes are written there.
-template <typename T>
+/// @param at  kPayload<T, kProtocol> bytes are written there.
+template <Protocol kProtocol = Protocol::k5, typename T>
 void PutFields(std::byte* at, const T& message) noexcept {
   const auto put = [&at](const auto& value) {
     Put(at, value);
     at += kBytes<std::remove_cvref_t<decltype(value)>>;
   };
-  std::apply([&](auto... field) { (put(message.*(field.member)), ...); }, kFields<T>);
+  std::apply([&](auto... field) { (put(message.*(field.member)), ...); }, kFieldsIn<T, kProtocol>);
 }
 
-/// @param at  kPayload<T> bytes are read from there.
+/// @param at  kPayload<T, kProtocol> bytes are read from there.
 /// @returns true if all flags are 0 or 1; otherwise some fields may have been written.
-template <typename T>
+template <Protocol kProtocol = Protocol::k5, typename T>
 [[nodiscard]] bool TakeFields(const std::byte* at, T& message) noexcept {
   const auto take = [&at](auto& value) {
     using Value = std::remove_cvref_t<decltype(value)>;
@@ -149,7 +167,7 @@ template <typename T>
     return true;
   };
   return std::apply([&](auto... field) { return (take(message.*(field.member)) && ...); },
-                    kFields<T>);
+                    kFieldsIn<T, kProtocol>);
 }
 
 /// The error for a payload with a flag other than 0 or 1.
@@ -159,14 +177,15 @@ template <typename T>
 
 /// Reads a request's payload, whose size must match exactly.
 /// @param name  of the request, for the message.
-template <typename T>
+template <Protocol kProtocol = Protocol::k5, typename T>
 [[nodiscard]] std::optional<BadFrame> ReadRequest(std::string_view name,
                                                   std::span<const std::byte> payload, T& message) {
-  if (payload.size() != kPayload<T>) {
+  constexpr std::size_t kNeeded = kPayload<T, kProtocol>;
+  if (payload.size() != kNeeded) {
     return BadFrame{
-        fmt::format("{}: {} bytes of payload, {} are needed", name, payload.size(), kPayload<T>)};
+        fmt::format("{}: {} bytes of payload, {} are needed", name, payload.size(), kNeeded)};
   }
-  if (!TakeFields(payload.data(), message)) return BadFlag(name);
+  if (!TakeFields<kProtocol>(payload.data(), message)) return BadFlag(name);
   return {};
 }
 

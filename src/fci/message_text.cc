@@ -63,26 +63,29 @@ class Lines {
 };
 
 template <typename Struct, typename Fields>
-std::string DatagramText(const Struct& message, const Fields& fields) {
+std::string DatagramText(const Struct& message, const Fields& fields,
+                         Protocol protocol = Protocol::k5) {
   Lines lines;
-  std::apply([&](const auto&... field) { (lines.Add(field.name, message.*(field.member)), ...); },
-             fields);
+  const auto add = [&](const auto& field) {
+    if (field.OffsetIn(protocol) != kAbsent) lines.Add(field.name, message.*(field.member));
+  };
+  std::apply([&](const auto&... field) { (add(field), ...); }, fields);
   return lines.Take();
 }
 
-template <typename T>
+template <Protocol kProtocol = Protocol::k5, typename T>
 void AddFields(Lines& lines, const T& message) {
   std::apply([&](const auto&... field) { (lines.Add(field.name, message.*(field.member)), ...); },
-             wire::kFields<T>);
+             wire::kFieldsIn<T, kProtocol>);
 }
 
-template <typename T>
+template <Protocol kProtocol = Protocol::k5, typename T>
 std::string MessageText(const T& message) {
   Lines lines;
   if constexpr (std::is_same_v<T, Setting> || std::is_same_v<T, HandCommand>) {
     std::visit([&](const auto& inner) { AddFields(lines, inner); }, message);
   } else {
-    AddFields(lines, message);
+    AddFields<kProtocol>(lines, message);
   }
   return lines.Take();
 }
@@ -119,15 +122,23 @@ std::string_view StatusName(ArmCommand asked, std::uint8_t status) {
     case ArmCommand::kMove: return of(kMoveStatus);
     case ArmCommand::kStopMove: return of(kStopStatus);
     case ArmCommand::kAutomaticErrorRecovery: return of(kRecoveryStatus);
-    case ArmCommand::kLoadModelLibrary: return of(kModelLibraryStatus);
+    case ArmCommand::kLoadModelLibrary:
+    case ArmCommand::kGetRobotModel: return of(kModelLibraryStatus);
     default: return of(kSetterStatus);
   }
 }
 
+std::string AnswerText(const HandAnswer& answer, bool is_connect) {
+  Lines lines;
+  lines.Add("status", Name(answer.result));
+  if (is_connect) lines.Add("version", answer.version);
+  return lines.Take();
+}
+
 }  // namespace
 
-std::string FieldsOf(const RobotState& state) {
-  return DatagramText(state, kStateFields);
+std::string FieldsOf(const RobotState& state, Protocol protocol) {
+  return DatagramText(state, kStateFields, protocol);
 }
 
 std::string FieldsOf(const RobotCommand& command) {
@@ -138,8 +149,17 @@ std::string FieldsOf(const HandState& state) {
   return DatagramText(state, kHandStateFields);
 }
 
-std::string FieldsOf(const ArmRequest& request) {
-  return std::visit([](const auto& message) { return MessageText(message); }, request);
+std::string FieldsOf(const VacuumState& state) {
+  return DatagramText(state, kVacuumStateFields);
+}
+
+std::string FieldsOf(const ArmRequest& request, Protocol protocol) {
+  return std::visit(
+      [protocol](const auto& message) {
+        return protocol == Protocol::k5 ? MessageText(message)
+                                        : MessageText<Protocol::k10>(message);
+      },
+      request);
 }
 
 std::string FieldsOf(const HandRequest& request) {
@@ -151,17 +171,19 @@ std::string FieldsOf(ArmCommand asked, const ArmAnswer& answer) {
   lines.Add("status", fmt::format("{} ({})", answer.status, StatusName(asked, answer.status)));
   if (asked == ArmCommand::kConnect) lines.Add("version", answer.version);
   if (asked == ArmCommand::kGetCartesianLimit) AddFields(lines, answer.limit);
-  if (asked == ArmCommand::kLoadModelLibrary) {
-    lines.Add("library", fmt::format("{} bytes", answer.library.size()));
+  if (asked == ArmCommand::kLoadModelLibrary || asked == ArmCommand::kGetRobotModel) {
+    lines.Add(asked == ArmCommand::kGetRobotModel ? "urdf" : "library",
+              fmt::format("{} bytes", answer.library.size()));
   }
   return lines.Take();
 }
 
 std::string FieldsOf(HandCommandId asked, const HandAnswer& answer) {
-  Lines lines;
-  lines.Add("status", Name(answer.result));
-  if (asked == HandCommandId::kConnect) lines.Add("version", answer.version);
-  return lines.Take();
+  return AnswerText(answer, asked == HandCommandId::kConnect);
+}
+
+std::string FieldsOf(VacuumCommandId asked, const HandAnswer& answer) {
+  return AnswerText(answer, asked == VacuumCommandId::kConnect);
 }
 
 }  // namespace twin::fci

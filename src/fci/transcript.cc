@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -48,6 +49,14 @@ std::string SummaryOf(const HandState& state) {
                      state.is_grasped ? ", holds an object" : "");
 }
 
+std::string SummaryOf(const VacuumState& state) {
+  return fmt::format("vacuum state {}: {} mbar{}", state.message_id, state.vacuum,
+                     state.part_present ? ", holds an object" : "");
+}
+
+/// Whose port a stream has.
+enum class Service : std::uint8_t { kArm, kHand, kVacuum };
+
 }  // namespace
 
 class Transcript::Impl {
@@ -70,20 +79,41 @@ class Transcript::Impl {
 
   std::string TakeDatagram(const record::Packet& packet) const {
     switch (packet.bytes.size()) {
-      case kStateBytes: return DatagramText<RobotState>(packet);
-      case kCommandBytes: return DatagramText<RobotCommand>(packet);
-      case kHandStateBytes: return DatagramText<HandState>(packet);
+      case kStateBytes: return StateText(packet, Protocol::k5);
+      case kState10Bytes: return StateText(packet, Protocol::k10);
+      case kCommandBytes: return CommandText(packet, Protocol::k5);
+      case kCommand10Bytes: return CommandText(packet, Protocol::k10);
+      case kHandStateBytes: return ToolText<HandState>(packet);
+      case kVacuumStateBytes: return ToolText<VacuumState>(packet);
       default:
         return HeadOf(packet) +
                fmt::format("datagram of {} bytes: none of the protocol\n", packet.bytes.size());
     }
   }
 
-  template <typename Message>
-  std::string DatagramText(const record::Packet& packet) const {
-    Message message;
-    const DatagramFault fault = Decode(packet.bytes, message);
-    if (fault == DatagramFault::kNone) return Text(packet, SummaryOf(message), message);
+  std::string StateText(const record::Packet& packet, Protocol protocol) const {
+    RobotState state;
+    const DatagramFault fault = Decode(protocol, packet.bytes, state);
+    return DatagramText(packet, fault, state, protocol);
+  }
+  std::string CommandText(const record::Packet& packet, Protocol protocol) const {
+    RobotCommand command;
+    const DatagramFault fault = Decode(protocol, packet.bytes, command);
+    return DatagramText(packet, fault, command);
+  }
+
+  /// Of the hand or the vacuum gripper.
+  template <typename State>
+  std::string ToolText(const record::Packet& packet) const {
+    State state;
+    const DatagramFault fault = Decode(packet.bytes, state);
+    return DatagramText(packet, fault, state);
+  }
+
+  template <typename Message, typename... Rest>
+  std::string DatagramText(const record::Packet& packet, DatagramFault fault,
+                           const Message& message, const Rest&... rest) const {
+    if (fault == DatagramFault::kNone) return Text(packet, SummaryOf(message), message, rest...);
     return HeadOf(packet) +
            fmt::format("datagram of {} bytes, damaged: {}\n", packet.bytes.size(), Name(fault));
   }
@@ -96,32 +126,37 @@ class Transcript::Impl {
     return text;
   }
 
-  [[nodiscard]] bool IsPort(std::uint16_t port) const {
-    return port == options_.arm_port || port == options_.hand_port;
+  [[nodiscard]] std::optional<Service> ServiceAt(std::uint16_t port) const {
+    if (port == options_.arm_port) return Service::kArm;
+    if (port == options_.hand_port) return Service::kHand;
+    if (port == options_.vacuum_port) return Service::kVacuum;
+    return {};
   }
 
   std::string TakeStream(const record::Packet& packet) {
-    const bool is_request = IsPort(packet.to.port);
-    if (!is_request && !IsPort(packet.from.port)) {
+    const auto asked = ServiceAt(packet.to.port);
+    const bool is_request = asked.has_value();
+    const auto service = is_request ? asked : ServiceAt(packet.from.port);
+    if (!service) {
       ++elsewhere_;
       return HeadOf(packet) +
              fmt::format("{} bytes of TCP between other ports\n", packet.bytes.size());
     }
-    const std::uint16_t service = is_request ? packet.to.port : packet.from.port;
-    const HeadKind kind = service == options_.arm_port ? HeadKind::kArm : HeadKind::kHand;
+    const HeadKind kind = *service == Service::kArm ? HeadKind::kArm : HeadKind::kHand;
     if (streams_.size() == kMostStreams) streams_.clear();
     auto [it, is_new] = streams_.try_emplace(
         Ends{packet.from, packet.to},
         Stream{FrameReader(kind, is_request ? kLargestArmRequest : kLargestAnswer)});
-    return Feed(packet, kind, is_request, it->second);
+    return Feed(packet, *service, is_request, it->second);
   }
 
-  std::string Feed(const record::Packet& packet, HeadKind kind, bool is_request, Stream& stream) {
+  std::string Feed(const record::Packet& packet, Service service, bool is_request, Stream& stream) {
     std::string text;
     std::span<const std::byte> left = packet.bytes;
     while (!stream.ended) {
       while (const auto frame = stream.frames.Next()) {
-        text += is_request ? RequestText(packet, kind, *frame) : AnswerText(packet, kind, *frame);
+        text +=
+            is_request ? RequestText(packet, service, *frame) : AnswerText(packet, service, *frame);
       }
       if (const std::string* fault = stream.frames.fault()) {
         stream.ended = true;
@@ -137,25 +172,48 @@ class Transcript::Impl {
     return text;
   }
 
-  template <typename Request, typename Id>
+  template <typename Request, typename... Rest>
   std::string RequestTextOf(const record::Packet& packet, const Frame& frame,
-                            const std::variant<Request, BadFrame>& parsed) {
+                            const std::variant<Request, BadFrame>& parsed, std::string_view name,
+                            const Rest&... rest) {
     if (const auto* bad = std::get_if<BadFrame>(&parsed)) {
       return HeadOf(packet) +
              fmt::format("request {}, damaged: {}\n", frame.head.command_id, bad->what);
     }
     if (asked_.size() == kMostRequests) asked_.clear();
     asked_[{Ends{packet.to, packet.from}, frame.head.command_id}] = frame.head.command;
-    return Text(packet,
-                fmt::format("request {}: {}", frame.head.command_id,
-                            Name(static_cast<Id>(frame.head.command))),
-                std::get<Request>(parsed));
+    return Text(packet, fmt::format("request {}: {}", frame.head.command_id, name),
+                std::get<Request>(parsed), rest...);
   }
 
-  std::string RequestText(const record::Packet& packet, HeadKind kind, const Frame& frame) {
-    return kind == HeadKind::kArm
-               ? RequestTextOf<ArmRequest, ArmCommand>(packet, frame, ParseArmRequest(frame))
-               : RequestTextOf<HandRequest, HandCommandId>(packet, frame, ParseHandRequest(frame));
+  std::string RequestText(const record::Packet& packet, Service service, const Frame& frame) {
+    if (service == Service::kVacuum) {
+      return RequestTextOf(packet, frame, ParseVacuumRequest(frame),
+                           Name(static_cast<VacuumCommandId>(frame.head.command)));
+    }
+    if (service == Service::kHand) {
+      return RequestTextOf(packet, frame, ParseHandRequest(frame),
+                           Name(static_cast<HandCommandId>(frame.head.command)));
+    }
+    const Ends client{packet.from, packet.to};
+    // Connect is the same in both protocols, and says which it is.
+    if (const auto first = ParseArmRequest(frame);
+        const auto* request = std::get_if<ArmRequest>(&first)) {
+      if (const auto* connect = std::get_if<Connect>(request)) {
+        if (speak10_.size() == kMostStreams) speak10_.clear();
+        connect->version == VersionOf(Protocol::k10) ? static_cast<void>(speak10_.insert(client))
+                                                     : static_cast<void>(speak10_.erase(client));
+      }
+    }
+    const Protocol protocol = ProtocolOf(client);
+    const std::optional<ArmCommand> command = ArmCommandAt(protocol, frame.head.command);
+    return RequestTextOf(packet, frame, ParseArmRequest(frame, protocol),
+                         command ? Name(*command) : "unknown", protocol);
+  }
+
+  /// @param client  the direction of requests.
+  [[nodiscard]] Protocol ProtocolOf(const Ends& client) const {
+    return speak10_.contains(client) ? Protocol::k10 : Protocol::k5;
   }
 
   template <typename Id, typename Answer>
@@ -169,23 +227,30 @@ class Transcript::Impl {
                 std::get<Answer>(parsed));
   }
 
-  std::string AnswerText(const record::Packet& packet, HeadKind kind, const Frame& frame) const {
+  std::string AnswerText(const record::Packet& packet, Service service, const Frame& frame) const {
     const auto asked = asked_.find({Ends{packet.from, packet.to}, frame.head.command_id});
     if (asked == asked_.end()) {
       return HeadOf(packet) +
              fmt::format("answer {}: its request was not captured\n", frame.head.command_id);
     }
-    if (kind == HeadKind::kArm) {
-      const auto command = static_cast<ArmCommand>(asked->second);
-      return AnswerTextOf(packet, frame, command, ParseArmAnswer(command, frame));
+    if (service == Service::kArm) {
+      const Protocol protocol = ProtocolOf({packet.to, packet.from});
+      const ArmCommand command =
+          ArmCommandAt(protocol, asked->second).value_or(ArmCommand::kConnect);
+      return AnswerTextOf(packet, frame, command, ParseArmAnswer(command, frame, protocol));
     }
-    const auto command = static_cast<HandCommandId>(asked->second);
+    if (service == Service::kHand) {
+      const auto command = static_cast<HandCommandId>(asked->second);
+      return AnswerTextOf(packet, frame, command, ParseHandAnswer(command, frame));
+    }
+    const auto command = static_cast<VacuumCommandId>(asked->second);
     return AnswerTextOf(packet, frame, command, ParseHandAnswer(command, frame));
   }
 
   TranscriptOptions options_;
   std::uint64_t elsewhere_ = 0;
   std::map<Ends, Stream> streams_;
+  std::set<Ends> speak10_;  ///< directions of requests in protocol 10
   /// Command of each request, by its answer's endpoints and its id.
   std::map<std::pair<Ends, std::uint32_t>, std::uint32_t> asked_;
 };

@@ -39,6 +39,12 @@ inline constexpr bool kIsFlags<RobotErrors> = true;
 template <std::size_t N>
 inline constexpr bool kIsFlags<std::array<bool, N>> = true;
 
+/// True if T is a number with a fraction, or several.
+template <typename T>
+inline constexpr bool kIsReal = std::is_same_v<T, double>;
+template <std::size_t N>
+inline constexpr bool kIsReal<std::array<double, N>> = true;
+
 /// True if all `bytes` are 0 or 1.
 [[nodiscard]] inline bool AreFlags(std::span<const std::byte> bytes) noexcept {
   std::byte all{};
@@ -67,6 +73,32 @@ inline void Put(std::byte* at, const MotionModes& modes) noexcept {
   Put(at + 4, static_cast<std::uint32_t>(modes.generator) - 1U);
 }
 
+/// In single precision. @param at  half of kBytes<T> bytes are written there.
+template <typename T>
+void PutSingle(std::byte* at, const T& value) noexcept {
+  static_assert(kIsReal<T>);
+  std::array<double, sizeof(T) / sizeof(double)> doubles;
+  std::memcpy(doubles.data(), &value, sizeof value);
+  for (const double one : doubles) {
+    Put(at, static_cast<float>(one));
+    at += sizeof(float);
+  }
+}
+
+/// In single precision. @param at  half of kBytes<T> bytes are read from there.
+template <typename T>
+void TakeSingle(const std::byte* at, T& value) noexcept {
+  static_assert(kIsReal<T>);
+  std::array<double, sizeof(T) / sizeof(double)> doubles;
+  for (double& one : doubles) {
+    float single = 0;
+    std::memcpy(&single, at, sizeof single);
+    one = static_cast<double>(single);
+    at += sizeof single;
+  }
+  std::memcpy(&value, doubles.data(), sizeof value);
+}
+
 /// @param at  kBytes<T> bytes are read from there; flags must be 0 or 1.
 template <typename T>
 void Take(const std::byte* at, T& value) noexcept {
@@ -82,7 +114,8 @@ inline void Take(const std::byte* at, RobotErrors& errors) noexcept {
   errors = RobotErrors(bits);
 }
 
-/// Unknown numbers become kOther and kIdle, which no motion uses.
+/// Unknown numbers become kOther and kIdle, which no motion uses. Protocol 5 has no kNone: who
+/// reads a Move makes it kIdle.
 inline void Take(const std::byte* at, MotionModes& modes) noexcept {
   std::uint32_t controller = 0;
   std::uint32_t generator = 0;
@@ -91,7 +124,7 @@ inline void Take(const std::byte* at, MotionModes& modes) noexcept {
   modes.controller = controller <= static_cast<std::uint32_t>(ControllerMode::kExternalController)
                          ? static_cast<ControllerMode>(controller)
                          : ControllerMode::kOther;
-  modes.generator = generator < static_cast<std::uint32_t>(MotionGeneratorMode::kCartesianVelocity)
+  modes.generator = generator < static_cast<std::uint32_t>(MotionGeneratorMode::kNone)
                         ? static_cast<MotionGeneratorMode>(generator + 1)
                         : MotionGeneratorMode::kIdle;
 }

@@ -156,6 +156,16 @@ class LockstepDrive final : public Drive, private rt::EventHandler {
     return runner.Run();
   }
 
+  /// While other arms of the same model move, INT holds this one.
+  backend::RobotTimings End() override {
+    robot::Robot* const robot = connection_.lockstep_robot;
+    if (robot == nullptr) return {};
+    robot->StandBy();
+    while (robot->is_awaited() && events_.RunNext()) {
+    }
+    return {};
+  }
+
   [[nodiscard]] std::unique_ptr<const Drive::Snapshot> Save() const override {
     if (connection_.lockstep_robot == nullptr) return Drive::Save();
     return std::make_unique<Saved>(events_, connection_.lockstep_robot->Save());

@@ -12,13 +12,14 @@ void CommandInbox::Push(const RobotCommand& command, Time arrival) noexcept {
   ++count_;
 }
 
-const RobotCommand* CommandInbox::Select(std::uint64_t answered_id, Time deadline) noexcept {
+const RobotCommand* CommandInbox::Select(std::uint64_t oldest_id, std::uint64_t answered_id,
+                                         Time deadline) noexcept {
   dropped_ = overflown_;
   overflown_ = 0;
   const RobotCommand* chosen = nullptr;
   while (count_ > 0 && arrived_[first_].arrival <= deadline) {
     const RobotCommand& command = arrived_[first_].command;
-    if (command.message_id != answered_id) {
+    if (command.message_id < oldest_id || command.message_id > answered_id) {
       ++dropped_;
     } else {
       if (chosen != nullptr) ++dropped_;

@@ -33,6 +33,7 @@ constexpr int kGraspedCycles = 20;     // at rest, before an object counts as he
 constexpr int kGraspTimeout = 2000;    // to come to rest after contact
 constexpr int kMoveTimeout = 500;      // blocked by an obstacle
 constexpr int kReleaseCycles = 50;     // without force, so that a squeezed object is released
+constexpr int kMostCounted = 1 << 20;  // more than any of these: a hand may be on for months
 
 constexpr double kAmbient = 25;     // degrees Celsius
 constexpr double kHeating = 25;     // the same, at the force below
@@ -59,17 +60,9 @@ Gripper::Gripper(const HandSensors& sensors) noexcept
 HandStart Gripper::Start(const HandCommand& command) noexcept {
   HandStart start{0, FindBadValue(command, state_.max_width)};
   if (start.bad) return start;
-  if (running_ != 0) End(HandResult::kAborted);
-  start.ticket = running_ = ++last_ticket_;
-  entries_[start.ticket % kRemembered] = {start.ticket, {}};
+  start.ticket = outcomes_.Begin();
   std::visit([this](const auto& one) { Take(one); }, command);
   return start;
-}
-
-std::optional<HandResult> Gripper::Outcome(HandTicket ticket) const noexcept {
-  if (ticket == 0 || ticket > last_ticket_) return {};
-  const Entry& entry = entries_[ticket % kRemembered];
-  return entry.ticket == ticket ? entry.result : HandResult::kAborted;
 }
 
 void Gripper::Take(const hand::Homing& /*homing*/) noexcept {
@@ -105,11 +98,6 @@ void Gripper::BeginMotion(Phase phase, double target, double speed, double force
   direction_ = target < sensors_.width ? -1 : 1;
 }
 
-void Gripper::End(HandResult result) noexcept {
-  entries_[running_ % kRemembered].result = result;
-  running_ = 0;
-}
-
 void Gripper::Relax() noexcept {
   phase_ = Phase::kHolding;
   phase_cycles_ = 0;
@@ -126,11 +114,13 @@ HandDrive Gripper::Cycle(const HandSensors& sensors) noexcept {
 }
 
 void Gripper::Count() noexcept {
-  const auto count = [](int& cycles, bool holds) { cycles = holds ? cycles + 1 : 0; };
+  const auto count = [](int& cycles, bool holds) {
+    cycles = holds ? std::min(cycles + 1, kMostCounted) : 0;
+  };
   const double slow_speed = std::max(kSlowShare * speed_, kLeastSlowSpeed);
   const bool slow = direction_ * sensors_.dwidth <= slow_speed;
   const double contact_force = std::min(kContactForce, force_limit_ / 2);
-  ++phase_cycles_;
+  count(phase_cycles_, true);
   count(slow_cycles_, slow);
   count(contact_cycles_, slow && direction_ * sensors_.force >= contact_force);
   count(still_cycles_, std::abs(sensors_.dwidth) <= kStillSpeed);
@@ -179,7 +169,7 @@ void Gripper::AdvanceHoming() noexcept {
 }
 
 void Gripper::AdvancePressing() noexcept {
-  if (running_ == 0) return;
+  if (!outcomes_.is_running()) return;
   if (pressed_ == grasp_.force && still_cycles_ >= kSettledCycles) {
     End(InsideBand() ? HandResult::kSuccess : HandResult::kUnsuccessful);
   } else if (phase_cycles_ >= kGraspTimeout) {

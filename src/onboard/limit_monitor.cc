@@ -1,5 +1,8 @@
 #include "twin/onboard/limit_monitor.h"
 
+#include <cmath>
+#include <cstddef>
+
 #include "onboard/bounds.h"
 #include "twin/core/time.h"
 
@@ -9,6 +12,20 @@ namespace {
 using internal::CheckJointMagnitudes;
 using internal::CheckJointRanges;
 
+/// The limit counts at the position before the step, which the client knows from the last state.
+void CheckVelocities(RobotError error, const JointReference& next, const JointLimits& limits,
+                     std::uint64_t message_id, Violations& found) noexcept {
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const double dq = next.dq_d[i];
+    const double q = next.q_d[i] - dq * kCycleSeconds;
+    const double limit =
+        std::signbit(dq) ? -limits.LowerVelocity(i, q) : limits.UpperVelocity(i, q);
+    if (internal::IsWithin(std::abs(dq), limit)) continue;
+    found.Add({error, static_cast<std::int8_t>(i), dq, std::copysign(limit, dq), message_id});
+    return;
+  }
+}
+
 }  // namespace
 
 Violations CheckStep(const JointReference& next, const JointLimits& limits,
@@ -17,7 +34,7 @@ Violations CheckStep(const JointReference& next, const JointLimits& limits,
   CheckJointMagnitudes(errors.acceleration, next.ddq_d, limits.ddq_max, message_id, found);
   CheckJointMagnitudes(errors.jerk, next.dddq_d, limits.dddq_max, message_id, found);
   if (!found.empty()) return found;
-  CheckJointMagnitudes(errors.velocity, next.dq_d, limits.dq_max, message_id, found);
+  CheckVelocities(errors.velocity, next, limits, message_id, found);
   CheckJointRanges(errors.position, next.q_d, limits.q_min, limits.q_max, message_id, found);
   return found;
 }

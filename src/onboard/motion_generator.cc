@@ -6,6 +6,7 @@
 
 #include "onboard/bounds.h"
 #include "twin/onboard/cartesian_monitor.h"
+#include "twin/onboard/goal_approach.h"
 #include "twin/onboard/joint_reference.h"
 #include "twin/onboard/limit_monitor.h"
 
@@ -37,8 +38,10 @@ bool MotionGenerator::IsSingular() const noexcept {
   return completion_.IsSingular(joints_.q_d);
 }
 
-void MotionGenerator::Start(MotionGeneratorMode mode) noexcept {
-  mode_ = mode;
+void MotionGenerator::Start(const MotionModes& modes) noexcept {
+  mode_ = modes.generator;
+  asynchronous_ = modes.asynchronous;
+  goal_ = joints_.q_d;
   has_elbow_ = false;
   lag_ = {};
   Rest();
@@ -55,12 +58,21 @@ Violations MotionGenerator::Take(const RobotCommand& command, bool is_first,
 }
 
 Violations MotionGenerator::Hold(std::uint64_t message_id) noexcept {
+  if (asynchronous_) return Approach(message_id);
   return IsCartesian(mode_) ? AdvanceCartesian(cartesian_.AfterLoss(), has_elbow_, message_id)
                             : AdvanceJoints(joints_.AfterLoss(), message_id);
 }
 
 Violations MotionGenerator::TakeJoints(const RobotCommand& command, bool is_first,
                                        std::uint64_t message_id) noexcept {
+  if (asynchronous_) {
+    // libfranka ends these motions with positions of zero.
+    return command.motion_generation_finished ? Approach(message_id)
+                                              : TakeGoal(command.q_c, message_id);
+  }
+  if (mode_ == MotionGeneratorMode::kNone) {
+    return AdvanceJoints(joints_.AfterVelocity({}), message_id);
+  }
   if (mode_ == MotionGeneratorMode::kJointVelocity) {
     const JointVector dq_c = filters_.joint_velocity.Filter(command.dq_c, joints_.dq_d);
     return AdvanceJoints(joints_.AfterVelocity(dq_c), message_id);
@@ -71,6 +83,20 @@ Violations MotionGenerator::TakeJoints(const RobotCommand& command, bool is_firs
     if (!found.empty()) return found;
   }
   return AdvanceJoints(joints_.AfterPosition(q_c), message_id);
+}
+
+Violations MotionGenerator::TakeGoal(const JointVector& q_c, std::uint64_t message_id) noexcept {
+  const JointLimits& limits = limits_.joints;
+  Violations found;
+  internal::CheckJointRanges(RobotError::kJointMotionGeneratorPositionLimitsViolation, q_c,
+                             limits.q_min, limits.q_max, message_id, found);
+  if (!found.empty()) return found;
+  goal_ = q_c;
+  return Approach(message_id);
+}
+
+Violations MotionGenerator::Approach(std::uint64_t message_id) noexcept {
+  return AdvanceJoints(ApproachStep(joints_, goal_, *asynchronous_, limits_.joints), message_id);
 }
 
 Violations MotionGenerator::CheckStartPosition(const JointVector& q_c,
@@ -186,6 +212,7 @@ void MotionGenerator::StandStill() noexcept {
 
 void MotionGenerator::Brake() noexcept {
   mode_ = MotionGeneratorMode::kIdle;
+  asynchronous_.reset();
   Lead(StopStep(joints_, limits_.joints));
 }
 

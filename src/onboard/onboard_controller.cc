@@ -1,5 +1,7 @@
 #include "twin/onboard/onboard_controller.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <utility>
@@ -32,6 +34,7 @@ SensingConfig SensingOf(const OnboardConfig& config) {
   SensingConfig sensing = config.sensing;
   sensing.joints = config.limits;
   sensing.cartesian = config.cartesian;
+  sensing.arm = config.arm;
   return sensing;
 }
 
@@ -45,8 +48,15 @@ std::optional<StopProof> GuardOf(const OnboardConfig& config, const Transform& F
 }
 
 bool IsCombination(const MotionModes& modes) noexcept {
-  return modes.controller <= ControllerMode::kExternalController &&
-         modes.generator >= MotionGeneratorMode::kJointPosition &&
+  if (modes.controller > ControllerMode::kExternalController) return false;
+  const bool is_external = modes.controller == ControllerMode::kExternalController;
+  if (modes.generator == MotionGeneratorMode::kNone) return is_external && !modes.asynchronous;
+  if (modes.asynchronous) {
+    const auto moves = [](double dq) { return std::isfinite(dq) && dq > 0; };
+    return !is_external && modes.generator == MotionGeneratorMode::kJointPosition &&
+           std::ranges::all_of(*modes.asynchronous, moves);
+  }
+  return modes.generator >= MotionGeneratorMode::kJointPosition &&
          modes.generator <= MotionGeneratorMode::kCartesianVelocity;
 }
 
@@ -54,7 +64,6 @@ bool IsCombination(const MotionModes& modes) noexcept {
 
 OnboardController::OnboardController(const OnboardConfig& config, const JointVector& q0)
     : config_(Validated(config)),
-      arm_(model::ArmModel::Panda()),
       setup_(SetupOf(config)),
       generator_(LimitsOf(config), q0),
       sensing_(SensingOf(config)),
@@ -108,12 +117,13 @@ MoveStatus OnboardController::Move(const MotionModes& modes) noexcept {
   if (modes.controller != ControllerMode::kExternalController) {
     cartesian_impedance_acts_ = modes.controller == ControllerMode::kCartesianImpedance;
   }
+  motion_id_ = message_id_ + 1;
   cycles_waited_ = 0;
   losses_.Reset();
   reflex_reason_.reset();
   last_end_ = MoveStatus::kMotionStarted;
   guard_breach_.reset();
-  generator_.Start(modes.generator);
+  generator_.Start(modes);
   return MoveStatus::kMotionStarted;
 }
 

@@ -77,7 +77,8 @@ void OnboardController::AwaitFirstCommand(const RobotCommand* command) noexcept 
     Take(*command, true);
     return;
   }
-  if (++cycles_waited_ >= config_.first_command_timeout_cycles) {
+  ++cycles_waited_;
+  if (!modes_.asynchronous && cycles_waited_ >= config_.first_command_timeout_cycles) {
     violations_.Add({RobotError::kCommunicationConstraintsViolation, kNoFirstCommandAxis,
                      static_cast<double>(cycles_waited_),
                      static_cast<double>(config_.first_command_timeout_cycles), message_id_ + 1});
@@ -112,7 +113,9 @@ Violations OnboardController::TryStep(const RobotCommand& command, bool is_first
   // Tries the step on a copy, since a later check may reject it.
   MotionGenerator next = generator_;
   Violations found = next.Take(command, is_first, message_id_ + 1);
-  if (found.empty() && finishes) found = next.CheckStandingStill(message_id_ + 1);
+  if (found.empty() && finishes && !modes_.asynchronous) {
+    found = next.CheckStandingStill(message_id_ + 1);
+  }
   if (found.empty() && guard_) found = CheckStopOf(next);
   found.Add(torque);
   if (found.empty()) generator_ = next;
@@ -120,6 +123,10 @@ Violations OnboardController::TryStep(const RobotCommand& command, bool is_first
 }
 
 void OnboardController::Hold() noexcept {
+  if (modes_.asynchronous) {
+    violations_ = guard_ ? HoldGuarded() : generator_.Hold(message_id_ + 1);
+    return;
+  }
   fate_ = record::CommandFate::kHeld;
   losses_.CountLost();
   if (losses_.lost_in_row() >= config_.abort_after_lost) {
@@ -134,6 +141,8 @@ void OnboardController::Hold() noexcept {
 void OnboardController::Finish(const JointSensors& sensors) noexcept {
   if (modes_.controller == ControllerMode::kExternalController) {
     TakeOver(sensors);
+    generator_.Brake();
+  } else if (modes_.asynchronous) {
     generator_.Brake();
   } else {
     generator_.StandStill();
@@ -206,7 +215,8 @@ const JointSensors& OnboardController::Sound(const JointSensors& measured) noexc
 ImpedanceTorque OnboardController::ControlTorque(const JointSensors& sensors) noexcept {
   if (drive_.brakes) return {};
   const MeasuredArm& measured = sensing_.arm();
-  if (robot_mode_ == RobotMode::kGuiding) return guiding_.Torque(sensors, measured, arm_, setup_);
+  if (robot_mode_ == RobotMode::kGuiding)
+    return guiding_.Torque(sensors, measured, config_.arm, setup_);
   if (external_torque_acts_) {
     ImpedanceTorque torque{tau_J_d_, measured.g};
     for (std::size_t i = 0; i < kJoints; ++i) torque.tau[i] += tau_J_d_[i];
@@ -214,9 +224,9 @@ ImpedanceTorque OnboardController::ControlTorque(const JointSensors& sensors) no
   }
   if (cartesian_impedance_acts_) {
     return cartesian_impedance_.Torque(generator_.joints(), generator_.O_T_EE_d(), sensors,
-                                       measured, arm_, setup_);
+                                       measured, config_.arm, setup_);
   }
-  return joint_impedance_.Torque(generator_.joints(), sensors, measured, arm_, setup_);
+  return joint_impedance_.Torque(generator_.joints(), sensors, measured, config_.arm, setup_);
 }
 
 void OnboardController::DriveJoints(const JointSensors& sensors) noexcept {

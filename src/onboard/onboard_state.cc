@@ -25,6 +25,10 @@ void OnboardController::FillState(const JointSensors& measured, RobotState& stat
   if (is_new_ || payload_changed_ || drive_.brakes) sensing_.Reset(sensors, setup_);
   payload_changed_ = false;
   sensing_.Update(sensors, setup_, Accelerates(generator_.joints()));
+  if (config_.has_accelerometers) {
+    if (is_new_) accelerometers_.Reset();
+    accelerometers_.Update(config_.arm, sensing_.arm().q, sensors.dq);
+  }
   Fill(sensors, state);
   if (IsFinite(state)) {
     sound_ = sensors;
@@ -65,6 +69,8 @@ void OnboardController::FillMeasured(const JointSensors& sensors, RobotState& st
   state.cartesian_contact = sensing_.cartesian_contact();
   state.joint_collision = sensing_.joint_collision();
   state.cartesian_collision = sensing_.cartesian_collision();
+  state.accelerometer_top = accelerometers_.top();
+  state.accelerometer_bottom = accelerometers_.bottom();
 }
 
 void OnboardController::FillDesired(RobotState& state) const noexcept {

@@ -24,7 +24,8 @@ void SensingConfig::Validate() const {
 
 Sensing::Sensing(const SensingConfig& config) noexcept
     : wrench_gain_max_(config.wrench_gain_max),
-      observer_(config.observer_gain),
+      model_(config.arm),
+      observer_(config.arm, config.observer_gain),
       monitor_(config.joints, config.cartesian, config.measured),
       self_distance_(config.measured.has_hand) {}
 
@@ -49,7 +50,7 @@ void Sensing::Update(const JointSensors& sensors, const ArmSetup& setup,
 }
 
 void Sensing::Measure(const JointSensors& sensors, const ArmSetup& setup) noexcept {
-  arm_ = MeasuredArm(model::ArmModel::Panda(), sensors.q, setup);
+  arm_ = MeasuredArm(model_, sensors.q, setup);
   measured_.sensors = sensors;
   measured_.g = arm_.g;
   measured_.O_dP_EE = Vector6{};

@@ -100,7 +100,9 @@ std::string Status::HandText() {
   if (hand_ == nullptr) return "null";
   try {
     const HandState state = hand_->ReadState();
-    return fmt::format(R"({{"width":{:.4f},"is_grasped":{}}})", state.width, state.is_grasped);
+    return fmt::format(R"({{"width":{:.4f},"vacuum":{},"is_grasped":{}}})", state.width,
+                       state.pump ? fmt::format("{}", state.pump->vacuum) : "null",
+                       state.is_grasped);
   } catch (const RobotFault&) {
     hand_ = nullptr;  // the hand does not answer: stop asking
     return "null";

@@ -15,11 +15,12 @@ namespace twin::plant {
 CompiledModel CompileModel(const MujocoPlantOptions& options) {
   PrepareEngine();
   try {
-    const ModelSources sources = ReadModelSources(options);
+    const ModelSources sources = ReadModelSources({&options, 1});
     BuiltModel built = LoadOrBuild(options, sources);
     CompiledModel compiled;
     std::size_t i = 0;
-    for (const Link& link : sources.robot.links) {
+    const RobotDescription& robot = sources.arms.front().robot;
+    for (const Link& link : robot.links) {
       if (!HasRange(link.joint_kind)) continue;
       const int joint = mj_name2id(built.model.get(), mjOBJ_JOINT, link.joint.c_str());
       if (link.joint_kind == JointKind::kRevolute) {
@@ -29,7 +30,7 @@ CompiledModel CompileModel(const MujocoPlantOptions& options) {
         compiled.open = link.q_max;
       }
     }
-    const Link& root = sources.robot.links.front();
+    const Link& root = robot.links.front();
     if (options.base)
       compiled.base = mj_name2id(built.model.get(), mjOBJ_JOINT, root.joint.c_str());
     compiled.model = std::move(built.model);
@@ -61,17 +62,17 @@ JointVector ArmIn(const CompiledModel& compiled, std::span<const double> qpos) {
 
 Transform ArmBaseIn(const CompiledModel& compiled, std::span<const double> qpos) {
   const mjModel& model = *compiled.model;
-  if (compiled.base < 0) return kIdentityTransform;
-  // All links from link 0 down to the body with the free joint are fixed.
-  const int root = model.jnt_bodyid[compiled.base];
-  const mjtNum* const free = qpos.data() + model.jnt_qposadr[compiled.base];
+  // All links from link 0 down to the world, or to the body with the free joint, are fixed.
+  const int root = compiled.base < 0 ? -1 : model.jnt_bodyid[compiled.base];
   std::array<mjtNum, 3> p{};
   std::array<mjtNum, 4> turn{1, 0, 0, 0};
   int body = model.body_parentid[model.jnt_bodyid[compiled.arm.front()]];
-  while (true) {
-    const mjtNum* const p_body = body == root ? free : model.body_pos + std::ptrdiff_t{3} * body;
+  while (body > 0) {
+    const mjtNum* const free =
+        body == root ? qpos.data() + model.jnt_qposadr[compiled.base] : nullptr;
+    const mjtNum* const p_body = free != nullptr ? free : model.body_pos + std::ptrdiff_t{3} * body;
     const mjtNum* const turn_body =
-        body == root ? free + 3 : model.body_quat + std::ptrdiff_t{4} * body;
+        free != nullptr ? free + 3 : model.body_quat + std::ptrdiff_t{4} * body;
     mjtNum turned[3];
     mju_rotVecQuat(turned, p.data(), turn_body);
     mju_add3(p.data(), p_body, turned);

@@ -16,8 +16,8 @@ ContactWatch::ContactWatch(const TruthProbe& truth) : truth_(truth), objects_(tr
   ModelParts parts(model);
   part_of_geom_ = std::move(parts.of_geom);
   names_ = std::move(parts.names);
-  const std::vector<bool> moves = MovingBodies(model);
-  const int robot = RobotRoot(model);
+  const std::vector<bool> moves = MovingBodies(model, truth.prefix());
+  const int robot = RobotRoot(model, truth.prefix());
   for (int geom = 0; geom < model.ngeom; ++geom) {
     const int body = model.geom_bodyid[geom];
     moves_.push_back(moves[body]);

@@ -22,8 +22,10 @@ void IdealHand::Step() noexcept {
   sensors_.force = at_stop ? drive_.force : 0;
 }
 
-IdealPlant::IdealPlant(const model::Payload& payload, HandKind hand) : payload_(payload) {
+IdealPlant::IdealPlant(const model::Payload& payload, HandKind hand, const model::ArmModel& arm)
+    : arm_(arm), payload_(payload) {
   if (hand == HandKind::kFrankaHand) hand_.emplace();
+  if (hand == HandKind::kCobotPump) suction_.emplace();
 }
 
 void IdealPlant::Reset(const JointVector& q) {
@@ -42,7 +44,7 @@ void IdealPlant::Step(const JointDrive& drive) noexcept {
 
 void IdealPlant::Sense(const JointVector& q, const JointVector& dq,
                        const JointVector& ddq) noexcept {
-  sensors_.tau_J = model::ArmModel::Panda().InverseDynamics(q, dq, ddq, payload_);
+  sensors_.tau_J = arm_.InverseDynamics(q, dq, ddq, payload_);
   sensors_.q = q;
   sensors_.dq = dq;
   sensors_.theta = q;

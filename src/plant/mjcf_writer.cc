@@ -16,9 +16,9 @@
 namespace twin::plant {
 namespace {
 
-// Sizes: room for the joints' own constraints and 100 contacts of 4 rows; a box in the hand makes
-// 16, one on a table 4. Classes copy their settings before the scene's defaults are read, so those
-// do not affect the robot.
+// Sizes, for each arm: room for the joints' own constraints and 100 contacts of 4 rows; a box in
+// the hand makes 16, one on a table 4. Classes copy their settings before the scene's defaults are
+// read, so those do not affect the robot.
 //
 // Grasped objects must not creep. Friction of soft contacts creeps unless the cone is elliptic and
 // the solver's last iterations remove the slip, and it holds a rotating object only where contacts
@@ -31,10 +31,15 @@ namespace {
 // ever. The pads' B = 1500 1/s leaves a sixth of a micrometre per second for each mm/s^2 of c;
 // MuJoCo's own parameter for B allows at most 1/T, which leaves three times as much.
 //
+// A suction cup's lip is a ring of spheres, which resists torsion as a whole. Its friction is that
+// of a cup on dry glass, stone or smooth plastic (0.5, Schmalz' notes on the design of vacuum
+// systems). Within the gap the engine tells of a contact without force: the give of a lip, by which
+// it seals (suction.cc).
+//
 // A tyre's contact only carries load: its friction law is in tyre.h. Under a mobile base the
 // contact yields by about a millimetre, critically damped.
 constexpr std::string_view kPreamble = R"(<mujoco model="{}">
-  <size njmax="420" nconmax="100"/>
+  <size njmax="{}" nconmax="{}"/>
   <option cone="elliptic" impratio="10" noslip_iterations="5"/>
   <visual>
     <global offwidth="1280" offheight="960"/>
@@ -54,6 +59,11 @@ constexpr std::string_view kPreamble = R"(<mujoco model="{}">
     <default class="twin_pad">
       <geom group="3" mass="0" rgba="0.3 0.3 0.3 0.5" priority="1" condim="4"
             friction="1 0.005 0.0001" solref="-62500 -1500" solimp="0.98 0.999 0.001"/>
+    </default>
+    <default class="twin_lip">
+      <geom group="3" mass="0" rgba="0.3 0.3 0.3 0.5" priority="1" condim="3"
+            friction="0.5 0.005 0.0001" solref="-62500 -1500" solimp="0.98 0.999 0.001"
+            margin="0.002" gap="0.002"/>
     </default>
     <default class="twin_tyre">
       <geom group="3" mass="0" rgba="0.3 0.3 0.3 0.5" priority="1" condim="1" solref="0.01 1"/>
@@ -90,11 +100,18 @@ class Writer {
       : sources_(sources), visual_(visual), collision_(collision) {}
 
   std::string Write() {
-    Line(kPreamble, sources_.robot.name);
+    const std::size_t arms = sources_.arms.size();
+    const std::size_t rows = 420 * arms;
+    const std::size_t contacts = 100 * arms;
+    Line(kPreamble, sources_.arms.front().robot.name, rows, contacts);
     std::string bodies;
     std::swap(bodies, text_);
     Line("  <worldbody>\n");
-    Body(sources_.robot.links.front());
+    for (const ArmSources& arm : sources_.arms) {
+      arm_ = &arm;
+      joint_ = 0;
+      Body(arm.robot.links.front());
+    }
     text_ += sources_.objects_text;
     Line("  </worldbody>\n");
     std::swap(bodies, text_);  // assets are known after the bodies
@@ -184,18 +201,18 @@ class Writer {
     for (const Shape& shape : link.collision) {
       Geom(shape, CollisionClass(link, shape), fmt::format("{}_collision_{}", link.name, number++));
     }
-    for (const Link& child : sources_.robot.links) {
+    for (const Link& child : arm_->robot.links) {
       if (child.parent == link.name) Body(child);
     }
     Line("</body>\n");
   }
 
   void Joint(const Link& link) {
-    const bool breakaway = sources_.friction == FrictionProfile::kBreakaway;
+    const bool breakaway = arm_->friction == FrictionProfile::kBreakaway;
     Line(
         "<joint name=\"{}\" class=\"twin_collision\" type=\"hinge\" axis=\"{}\" armature=\"{}\" "
         "frictionloss=\"{}\" damping=\"{}\"/>\n",
-        link.joint, Row(link.axis), sources_.armature[joint_],
+        link.joint, Row(link.axis), arm_->armature[joint_],
         breakaway ? kBreakawayTorque[joint_] : 0.0, breakaway ? kViscousFriction[joint_] : 0.0);
     ++joint_;
   }
@@ -214,27 +231,33 @@ class Writer {
 
   static std::string_view CollisionClass(const Link& link, const Shape& shape) {
     if (link.joint_kind == JointKind::kContinuous) return "tyre";
+    if (shape.lip) return "lip";
     return shape.pad ? "pad" : "collision";
   }
 
   /// Number of arm joints between the root and each link.
-  std::map<std::string, int> JointDepths() const {
+  static std::map<std::string, int> JointDepths(const RobotDescription& robot) {
     std::map<std::string, int> depths;
-    for (const Link& link : sources_.robot.links) {
+    for (const Link& link : robot.links) {
       const int own = link.joint_kind == JointKind::kRevolute ? 1 : 0;
       depths[link.name] = (link.parent.empty() ? 0 : depths.at(link.parent)) + own;
     }
     return depths;
   }
 
-  /// Excludes collisions between links up to two joints apart: the hulls of their shapes overlap
-  /// within the joint limits, the links do not. (MoveIt's SRDF of the Panda excludes the same
-  /// pairs.) Fingers meet at the end of their range, not as shapes.
+  /// Excludes collisions between links of one arm up to two joints apart: the hulls of their shapes
+  /// overlap within the joint limits, the links do not. (MoveIt's SRDF of the Panda excludes the
+  /// same pairs.) Fingers meet at the end of their range, not as shapes.
   void Excludes() {
-    const auto depths = JointDepths();
     Line("  <contact>\n");
-    for (const Link& a : sources_.robot.links) {
-      for (const Link& b : sources_.robot.links) {
+    for (const ArmSources& arm : sources_.arms) ExcludesOf(arm.robot);
+    Line("  </contact>\n");
+  }
+
+  void ExcludesOf(const RobotDescription& robot) {
+    const auto depths = JointDepths(robot);
+    for (const Link& a : robot.links) {
+      for (const Link& b : robot.links) {
         const int apart = depths.at(b.name) - depths.at(a.name);
         const bool fingers = a.joint_kind == JointKind::kPrismatic &&
                              b.joint_kind == JointKind::kPrismatic && a.name < b.name;
@@ -243,7 +266,6 @@ class Writer {
         Line("    <exclude body1=\"{}\" body2=\"{}\"/>\n", a.name, b.name);
       }
     }
-    Line("  </contact>\n");
   }
 
   const ModelSources& sources_;
@@ -252,7 +274,8 @@ class Writer {
   std::string text_;
   std::vector<Colour> colours_;
   std::map<std::string, std::string> meshes_;
-  std::size_t joint_ = 0;
+  const ArmSources* arm_ = nullptr;  ///< being written
+  std::size_t joint_ = 0;            ///< of it
 };
 
 }  // namespace

@@ -58,9 +58,11 @@ void ImportMeshes(const ModelSources& sources, MeshAssets& visual, MeshAssets& c
   for (const auto& [uri, mesh] : sources.meshes) {
     bool seen = false;
     bool touched = false;
-    for (const Link& link : sources.robot.links) {
-      seen = seen || HasMesh(link.visual, uri);
-      touched = touched || HasMesh(link.collision, uri);
+    for (const ArmSources& arm : sources.arms) {
+      for (const Link& link : arm.robot.links) {
+        seen = seen || HasMesh(link.visual, uri);
+        touched = touched || HasMesh(link.collision, uri);
+      }
     }
     const auto name = [&number](std::string_view use) {
       return fmt::format("panda_twin_{}_{}.msh", use, number++);
@@ -113,8 +115,9 @@ std::string Difference(const mjModel& model, int body, const Link& link) {
 
 /// A scene's compiler settings apply to the whole document (MJCF has one <compiler>), so they could
 /// silently change the robot.
-void RequireRobotUnchanged(const ModelSources& sources, const mjModel& model) {
-  for (const Link& link : sources.robot.links) {
+void RequireRobotUnchanged(const ModelSources& sources, const RobotDescription& robot,
+                           const mjModel& model) {
+  for (const Link& link : robot.links) {
     const int body = mj_name2id(&model, mjOBJ_BODY, link.name.c_str());
     const std::string difference = body < 0 ? "no body" : Difference(model, body, link);
     if (difference.empty()) continue;
@@ -131,8 +134,8 @@ void RequireRobotUnchanged(const ModelSources& sources, const mjModel& model) {
 /// constraint to solve in every step.
 constexpr double kFingerClearance = 1e-6;
 
-void SetJointRanges(const ModelSources& sources, mjModel& model) {
-  for (const Link& link : sources.robot.links) {
+void SetJointRanges(const RobotDescription& robot, mjModel& model) {
+  for (const Link& link : robot.links) {
     if (!HasRange(link.joint_kind)) continue;
     const std::ptrdiff_t joint = mj_name2id(&model, mjOBJ_JOINT, link.joint.c_str());
     const double clearance = link.joint_kind == JointKind::kPrismatic ? kFingerClearance : 0;
@@ -175,8 +178,10 @@ BuiltModel BuildModel(const ModelSources& sources) {
   }
   built.warnings = warnings.texts();
   if (!message.empty()) built.warnings.push_back(message);
-  RequireRobotUnchanged(sources, *built.model);
-  SetJointRanges(sources, *built.model);
+  for (const ArmSources& arm : sources.arms) {
+    RequireRobotUnchanged(sources, arm.robot, *built.model);
+    SetJointRanges(arm.robot, *built.model);
+  }
   return built;
 }
 
@@ -235,7 +240,7 @@ BuiltModel Fetch(const MujocoPlantOptions& options, const ModelSources& sources)
 
 BuiltModel LoadOrBuild(const MujocoPlantOptions& options, const ModelSources& sources) {
   BuiltModel built = Fetch(options, sources);
-  if (options.base) PlaceBase(options.base->start, sources.robot, *built.model);
+  if (options.base) PlaceBase(options.base->start, sources.arms.front().robot, *built.model);
   ShapeObjects(options.objects, *built.model);
   return built;
 }

@@ -43,7 +43,8 @@ struct BuiltModel {
 /// @throws EnvironmentError if it differs.
 void PrepareEngine();
 
-/// Loads the model from the cache in `options`, or builds and stores it.
+/// Loads the model from the cache in `options`, or builds and stores it. @param options  of its
+/// first arm.
 /// @pre PrepareEngine(). @throws as BuildModel() and ModelCache.
 [[nodiscard]] BuiltModel LoadOrBuild(const MujocoPlantOptions& options,
                                      const ModelSources& sources);

@@ -15,6 +15,7 @@
 #include "plant/file_bytes.h"
 #include "plant/robot_description.h"
 #include "plant/scene_objects.h"
+#include "plant/suction.h"
 #include "plant/thickness.h"
 #include "twin/core/error.h"
 #include "twin/plant/mjcf_files.h"
@@ -48,6 +49,14 @@ std::filesystem::path ResolveMesh(const std::string& uri, const MujocoPlantOptio
   return options.mesh_package / uri.substr(slash + 1);
 }
 
+bool NamesMeshes(const RobotDescription& robot) {
+  const auto is_mesh = [](const Shape& shape) { return shape.kind == ShapeKind::kMesh; };
+  return std::ranges::any_of(robot.links, [&](const Link& link) {
+    return std::ranges::any_of(link.visual, is_mesh) ||
+           std::ranges::any_of(link.collision, is_mesh);
+  });
+}
+
 /// Reads one URDF, hashes its files, and adds its meshes or replaces them by primitives.
 class DescriptionReader {
  public:
@@ -63,8 +72,11 @@ class DescriptionReader {
         for (const Shape& shape : link.visual) ReadMesh(shape, link, urdf);
         for (const Shape& shape : link.collision) ReadMesh(shape, link, urdf);
       }
-    } else {
-      const auto file = urdf.parent_path() / "primitives.yaml";
+    } else if (NamesMeshes(robot)) {
+      auto file = urdf.parent_path() / "primitives.yaml";
+      if (!std::filesystem::exists(file)) {  // an arm that looks like the Panda
+        file = urdf.parent_path().parent_path() / "panda" / "primitives.yaml";
+      }
       const std::string shapes = ReadFileBytes(
           file, "the primitive shapes, which stand in for the meshes where the package is missing");
       hash_.Add(shapes);
@@ -134,8 +146,9 @@ void RequireNoWheels(const RobotDescription& robot, const std::filesystem::path&
 void RequireNoFingers(const RobotDescription& robot, const std::filesystem::path& urdf) {
   const auto found = Fingers(robot);
   if (found.empty()) return;
-  throw InputError(fmt::format("{}: joint '{}' of robot '{}' is prismatic; the arm has none",
-                               urdf.string(), found.front().joint, robot.name));
+  throw InputError(
+      fmt::format("{}: joint '{}' of robot '{}' is prismatic; only the Franka Hand has such",
+                  urdf.string(), found.front().joint, robot.name));
 }
 
 /// Requires the joints of two fingers, of which the second follows the first.
@@ -146,6 +159,19 @@ void RequireTwoFingers(const RobotDescription& robot, const std::filesystem::pat
       "{}: the hand has {} prismatic joints; it must have two, the second with a <mimic> of the "
       "first",
       urdf.string(), found.size()));
+}
+
+/// Requires a vacuum gripper without joints of its own.
+void RequireCups(const RobotDescription& robot, const std::filesystem::path& urdf) {
+  RequireNoFingers(robot, urdf);
+  const auto cups =
+      static_cast<std::size_t>(std::ranges::count_if(robot.links, [](const Link& link) {
+        return std::ranges::any_of(link.collision, &Shape::lip);
+      }));
+  if (cups >= 1 && cups <= kMostCups) return;
+  throw InputError(fmt::format(
+      "{}: {} links have collision shapes named lip...; a vacuum gripper has one to {} suction cups",
+      urdf.string(), cups, kMostCups));
 }
 
 /// 2/5 m r^2 about its centre, kg m^2.
@@ -204,65 +230,102 @@ void Attach(const setting::Load& load, RobotDescription& robot) {
   robot.links.push_back(body);
 }
 
-}  // namespace
+/// Puts the arm where it stands in the world.
+void Stand(const ArmPose& pose, RobotDescription& robot) {
+  if (pose == ArmPose()) return;
+  Pose& X_WO = robot.links.front().X_PL;
+  X_WO.p = pose.position;
+  X_WO.quat = {std::cos(pose.yaw / 2), 0, 0, std::sin(pose.yaw / 2)};
+}
 
-ModelSources ReadModelSources(const MujocoPlantOptions& options) {
-  ModelSources sources;
-  RequireVisualError(options.visual_error);
-  Validate(options.arm, options.armature);
-  sources.armature = RotorInertia(options.armature, options.arm);
-  const FrictionProfile friction =
-      options.arm.friction_law ? FrictionProfile::kNone : options.friction;
-  sources.visual_error = options.visual_error;
-  sources.friction = friction;
-  sources.uses_meshes =
-      !options.mesh_package.empty() && std::filesystem::is_directory(options.mesh_package);
-  ContentHash hash;
-  hash.Add(kComposition);
-  hash.Add(fmt::format("mujoco {} friction {} armature {} hand {} meshes {}", mj_version(),
-                       static_cast<int>(friction), options.armature, static_cast<int>(options.hand),
-                       sources.uses_meshes));
+/// Names one arm's links and joints apart from those of the others.
+void Rename(const std::string& prefix, RobotDescription& robot) {
+  for (Link& link : robot.links) {
+    for (std::string* name : {&link.name, &link.parent, &link.joint, &link.follows}) {
+      if (!name->empty()) name->insert(0, prefix);
+    }
+  }
+}
+
+void HashArm(const MujocoPlantOptions& options, const ArmSources& arm, ContentHash& hash) {
   hash.Add(fmt::format("load {} {} {}", options.load.m_load, fmt::join(options.load.F_x_Cload, " "),
                        fmt::join(options.load.I_load, " ")));
   if (options.arm.armature) {
-    hash.Add(fmt::format("rotors {}", fmt::join(sources.armature, " ")));
+    hash.Add(fmt::format("rotors {}", fmt::join(arm.armature, " ")));
   }
   for (const setting::Load& link : options.arm.links) {
     hash.Add(fmt::format("link {} {} {}", link.m_load, fmt::join(link.F_x_Cload, " "),
                          fmt::join(link.I_load, " ")));
   }
   if (options.mass_scale != 1) hash.Add(fmt::format("mass scale {}", options.mass_scale));
+  if (!(options.pose == ArmPose())) {
+    hash.Add(fmt::format("pose {} {}", fmt::join(options.pose.position, " "), options.pose.yaw));
+  }
+  if (!options.prefix.empty()) hash.Add(fmt::format("prefix {}", options.prefix));
+}
+
+ArmSources ReadArm(const MujocoPlantOptions& options, const ModelSources& sources,
+                   DescriptionReader& reader, ContentHash& hash) {
+  Validate(options.arm, options.armature);
+  ArmSources arm;
+  arm.armature = RotorInertia(options.armature, options.arm);
+  arm.friction = options.arm.friction_law ? FrictionProfile::kNone : options.friction;
+  hash.Add(fmt::format("mujoco {} friction {} armature {} hand {} meshes {}", mj_version(),
+                       static_cast<int>(arm.friction), options.armature,
+                       static_cast<int>(options.hand), sources.uses_meshes));
+  HashArm(options, arm, hash);
   hash.Add(fmt::format("visual error {}", options.visual_error));
-  DescriptionReader reader(options, sources, hash);
-  sources.robot = reader.Read(options.urdf);
-  ReplaceInertials(options.arm.links, sources.robot);
-  if (options.mass_scale != 1) ScaleMasses(options.mass_scale, sources.robot);
-  RequireNoWheels(sources.robot, options.urdf);
-  RequireSevenJoints(sources.robot, options.urdf);
-  RequireNoFingers(sources.robot, options.urdf);
-  Attach(options.load, sources.robot);
-  if (options.hand == HandKind::kFrankaHand) {
-    const auto urdf = options.urdf.parent_path() / ".." / "hand" / "hand.urdf";
+  RobotDescription& robot = arm.robot;
+  robot = reader.Read(options.urdf);
+  ReplaceInertials(options.arm.links, robot);
+  if (options.mass_scale != 1) ScaleMasses(options.mass_scale, robot);
+  RequireNoWheels(robot, options.urdf);
+  RequireSevenJoints(robot, options.urdf);
+  RequireNoFingers(robot, options.urdf);
+  Attach(options.load, robot);
+  if (options.hand != HandKind::kNone) {
+    const bool has_fingers = options.hand == HandKind::kFrankaHand;
+    const std::string name = has_fingers ? "hand" : "cobot_pump";
+    const auto urdf = options.urdf.parent_path() / ".." / name / (name + ".urdf");
     RobotDescription hand = reader.Read(urdf);
     if (options.mass_scale != 1) ScaleMasses(options.mass_scale, hand);
-    Mount(sources.robot, hand, urdf.string());
-    RequireNoWheels(sources.robot, urdf);
-    RequireSevenJoints(sources.robot, urdf);
-    RequireTwoFingers(sources.robot, urdf);
+    Mount(robot, hand, urdf.string());
+    RequireNoWheels(robot, urdf);
+    RequireSevenJoints(robot, urdf);
+    has_fingers ? RequireTwoFingers(robot, urdf) : RequireCups(robot, urdf);
   }
+  Stand(options.pose, robot);
+  if (!options.prefix.empty()) Rename(options.prefix, robot);
   if (options.base) {
     RequireLevel(options);
-    PutOnBase(ReadBase(options.base->urdf, hash), kArmMount, sources.robot,
-              options.base->urdf.string());
+    PutOnBase(ReadBase(options.base->urdf, hash), kArmMount, robot, options.base->urdf.string());
   }
-  sources.scene_file = options.scene;
+  return arm;
+}
+
+}  // namespace
+
+ModelSources ReadModelSources(std::span<const MujocoPlantOptions> arms) {
+  const MujocoPlantOptions& common = arms.front();
+  ModelSources sources;
+  RequireVisualError(common.visual_error);
+  sources.visual_error = common.visual_error;
+  sources.uses_meshes =
+      !common.mesh_package.empty() && std::filesystem::is_directory(common.mesh_package);
+  ContentHash hash;
+  hash.Add(kComposition);
+  DescriptionReader reader(common, sources, hash);
+  for (const MujocoPlantOptions& options : arms) {
+    sources.arms.push_back(ReadArm(options, sources, reader, hash));
+  }
+  sources.scene_file = common.scene;
   sources.scene_text =
-      options.scene.empty() ? std::string(kPlainScene) : ReadFileBytes(options.scene, "the scene");
+      common.scene.empty() ? std::string(kPlainScene) : ReadFileBytes(common.scene, "the scene");
   sources.scene_is_self_contained = FilesNamedIn(sources.scene_text).files.empty();
   hash.Add(sources.scene_text);
-  Validate(options.objects);
-  sources.objects_text = ObjectsMjcf(options.objects);
-  if (!options.objects.empty()) hash.Add(ObjectsKey(options.objects));
+  Validate(common.objects);
+  sources.objects_text = ObjectsMjcf(common.objects);
+  if (!common.objects.empty()) hash.Add(ObjectsKey(common.objects));
   sources.key = hash.Hex();
   return sources;
 }

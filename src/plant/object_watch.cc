@@ -39,10 +39,13 @@ ObjectWatch::ObjectWatch(const TruthProbe& truth) : truth_(truth) {
   ModelParts parts(model);
   part_of_geom_ = std::move(parts.of_geom);
   names_ = std::move(parts.names);
-  hand_ = mj_name2id(&model, mjOBJ_BODY, kHand);
-  const int root = RobotRoot(model);
-  const int left = mj_name2id(&model, mjOBJ_BODY, kLeftFinger);
-  const int right = mj_name2id(&model, mjOBJ_BODY, kRightFinger);
+  const auto body_named = [&](const char* name) {
+    return mj_name2id(&model, mjOBJ_BODY, (truth.prefix() + name).c_str());
+  };
+  hand_ = body_named(kHand);
+  const int root = RobotRoot(model, truth.prefix());
+  const int left = body_named(kLeftFinger);
+  const int right = body_named(kRightFinger);
   for (int geom = 0; geom < model.ngeom; ++geom) {
     const int body = model.geom_bodyid[geom];
     Kind kind = model.body_rootid[body] == root ? Kind::kRobot : Kind::kWorld;

@@ -32,7 +32,7 @@ Vector6 BodyView::Twist() const noexcept {
 
 ContactWrench::ContactWrench(const TruthProbe& truth) : truth_(truth) {
   const mjModel& model = truth.model();
-  const std::vector<bool> moves = MovingBodies(model);
+  const std::vector<bool> moves = MovingBodies(model, truth.prefix());
   for (int geom = 0; geom < model.ngeom; ++geom) moves_.push_back(moves[model.geom_bodyid[geom]]);
 }
 

@@ -26,16 +26,16 @@ ModelParts::ModelParts(const mjModel& model) {
   }
 }
 
-int RobotRoot(const mjModel& model) {
-  const int arm = mj_name2id(&model, mjOBJ_BODY, kArmBase);
+int RobotRoot(const mjModel& model, const std::string& prefix) {
+  const int arm = mj_name2id(&model, mjOBJ_BODY, (prefix + kArmBase).c_str());
   return arm < 0 ? -1 : model.body_rootid[arm];
 }
 
 // A body follows its parent in the order.
-std::vector<bool> MovingBodies(const mjModel& model) {
+std::vector<bool> MovingBodies(const mjModel& model, const std::string& prefix) {
   std::vector<bool> moves(model.nbody, false);
-  const int first = mj_name2id(&model, mjOBJ_BODY, kFirstMovingLink);
-  const int root = RobotRoot(model);
+  const int first = mj_name2id(&model, mjOBJ_BODY, (prefix + kFirstMovingLink).c_str());
+  const int root = RobotRoot(model, prefix);
   const bool has_base = root >= 0 && model.body_jntnum[root] > 0;
   for (int body = 1; body < model.nbody; ++body) {
     const bool is_wheel = has_base && body != first && model.body_parentid[body] == root &&

@@ -17,10 +17,11 @@ struct ModelParts {
 };
 
 /// The root body of the robot: the arm's base, or the mobile base below it. -1 without an arm.
-[[nodiscard]] int RobotRoot(const mjModel& model);
+/// @param prefix  of the names of its bodies, as TruthProbe::prefix().
+[[nodiscard]] int RobotRoot(const mjModel& model, const std::string& prefix = {});
 
 /// By body: whether it moves with the arm, from its first moving link on, or with a mobile base,
 /// except for the wheels, which always touch the ground.
-[[nodiscard]] std::vector<bool> MovingBodies(const mjModel& model);
+[[nodiscard]] std::vector<bool> MovingBodies(const mjModel& model, const std::string& prefix = {});
 
 }  // namespace twin::plant

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "plant/applied_wrench.h"
 #include "twin/core/error.h"
 
 namespace twin::plant {
@@ -56,24 +57,13 @@ Vector3 VelocityOf(const mjModel& model, const mjData& data, int body, const Vec
   return velocity;
 }
 
-/// The engine takes a wrench [f; m] at the body's centre of mass.
-void AddWrench(const Vector3& force, const Vector3& torque, const Vector3& p, int body,
-               mjData& data) noexcept {
-  mjtNum arm[3];
-  mju_sub3(arm, p.data(), data.xipos + 3 * body);
-  mjtNum moment[3];
-  mju_cross(moment, arm, force.data());
-  mju_addTo3(moment, torque.data());
-  mju_addTo3(data.xfrc_applied + 6 * body, force.data());
-  mju_addTo3(data.xfrc_applied + 6 * body + 3, moment);
-}
-
 }  // namespace
 
 void Perturber::Add(const Perturbation& perturbation) {
   Validate(perturbation);
   const std::string& name = BodyOf(perturbation);
-  const int body = mj_name2id(model_, mjOBJ_BODY, name.c_str());
+  int body = mj_name2id(model_, mjOBJ_BODY, (prefix_ + name).c_str());
+  if (body <= 0) body = mj_name2id(model_, mjOBJ_BODY, name.c_str());
   if (body <= 0) {
     throw InputError(
         fmt::format("perturbation: the model has no body \"{}\" that a force could act "
@@ -108,7 +98,6 @@ void Perturber::ClearForces(mjData& data) const noexcept {
 }
 
 void Perturber::Apply(Duration begin, mjData& data) noexcept {
-  ClearForces(data);
   const Duration middle = begin + kCycle / 2;
   for (Entry& entry : entries_) {
     if (!entry.origin) continue;

@@ -149,6 +149,7 @@ Link ToLink(const urdf::Link& source, const std::string& where) {
   for (const auto& collision : source.collision_array) {
     link.collision.push_back(ToShape(*collision->geometry, collision->origin));
     link.collision.back().pad = collision->name.starts_with("pad");
+    link.collision.back().lip = collision->name.starts_with("lip");
   }
   return link;
 }

@@ -42,6 +42,7 @@ struct Shape {
   std::string mesh_uri;          ///< only for meshes
   std::optional<Colour> colour;  ///< absent: from the mesh file
   bool pad = false;              ///< of a finger: its grip surface
+  bool lip = false;              ///< of a suction cup: its sealing edge
 };
 
 /// How a link is attached to its parent.
@@ -84,7 +85,7 @@ struct RobotDescription {
   [[nodiscard]] const Link* Find(const std::string& link) const noexcept;
 };
 
-/// Reads a URDF. A collision shape whose name begins with "pad" is a pad.
+/// Reads a URDF. A collision shape whose name begins with "pad" is a pad, with "lip" a lip.
 /// @param text   the document. @param where  its file, for messages.
 /// @throws InputError naming file and element: what urdfdom reports, or what is not supported
 /// (joints other than fixed, revolute, continuous and prismatic; a

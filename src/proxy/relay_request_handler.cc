@@ -34,7 +34,7 @@ std::vector<std::byte> BytesOf(fci::HeadKind kind, std::uint32_t id, const fci::
                                      : fci::EncodeRequest(id, fci::HandRequest(connect));
 }
 
-/// True if an arm's answer is the first of a Move's two.
+/// True if an arm's answer is the first of a Move's two. The numbers are the same in all protocols.
 bool HasBegun(const fci::Frame& frame) {
   constexpr auto kMove = static_cast<std::uint32_t>(fci::ArmCommand::kMove);
   constexpr auto kStarted = static_cast<std::byte>(MoveStatus::kMotionStarted);

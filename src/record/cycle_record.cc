@@ -10,8 +10,7 @@ double FilterCounts::kept_back_percent() const noexcept {
 }
 
 void FilterCounts::Add(const TickRecord& tick) noexcept {
-  const bool wrote = tick.action == TickAction::kWritten || tick.action == TickAction::kFinished;
-  if (!wrote || !tick.margin) return;
+  if (!WroteCommand(tick) || !tick.margin) return;
   ++commands;
   kept_back += tick.kept_back != 0 ? 1 : 0;
   for (std::size_t i = 0; i < kJoints; ++i) of_joint[i] += (tick.kept_back >> i) & 1U;

@@ -24,6 +24,8 @@ using mcap::PutString;
 
 namespace {
 
+constexpr std::size_t kIndexBlockBytes = std::size_t{64} * 1024;
+
 /// Range of log times in a chunk or the file; zero without messages, as MCAP requires.
 struct TimeSpan {
   std::uint64_t first = 0;
@@ -38,7 +40,8 @@ struct TimeSpan {
 };
 
 struct ChannelState {
-  std::uint32_t messages = 0;                                       ///< in the file
+  std::uint32_t sequence = 0;                                       ///< of the next message
+  std::uint64_t messages = 0;                                       ///< in the file
   std::vector<std::pair<std::uint64_t, std::uint64_t>> in_chunk{};  ///< log time, offset in chunk
 };
 
@@ -79,7 +82,8 @@ class McapWriter::Impl {
   std::uint16_t AddChannel(std::uint16_t schema, std::string_view topic,
                            std::string_view encoding) {
     const auto id = static_cast<std::uint16_t>(channel_states_.size());
-    channel_states_.emplace_back();
+    ChannelState& state = channel_states_.emplace_back();
+    if (id < options_.first_sequences.size()) state.sequence = options_.first_sequences[id];
     const std::size_t begin = BeginRecord(out_, Opcode::kChannel);
     Put(out_, id);
     Put(out_, schema);
@@ -143,13 +147,21 @@ class McapWriter::Impl {
     chunk_time_.Add(log_time_ns);
     const std::size_t begin = BeginRecord(chunk_, Opcode::kMessage);
     Put(chunk_, channel);
-    Put(chunk_, state.messages++);
+    Put(chunk_, state.sequence++);
+    ++state.messages;
     Put(chunk_, log_time_ns);
     Put(chunk_, log_time_ns);  // publish time equals log time
     chunk_.resize(chunk_.size() + size);
     EndRecord(chunk_, begin);
     return std::span(chunk_).last(size);
   }
+
+  [[nodiscard]] std::vector<std::uint32_t> next_sequences() const {
+    std::vector<std::uint32_t> sequences;
+    for (const ChannelState& state : channel_states_) sequences.push_back(state.sequence);
+    return sequences;
+  }
+  [[nodiscard]] std::uint64_t bytes() const noexcept { return file_.size(); }
 
   void Flush() {
     if (chunk_.empty()) return;
@@ -166,6 +178,7 @@ class McapWriter::Impl {
     Put(chunk_index_, std::uint64_t{compressed_bytes});
     Put(chunk_index_, std::uint64_t{chunk_.size()});
     EndRecord(chunk_index_, index);
+    KeepChunkIndex();
 
     ++chunk_count_;
     file_time_.Add(chunk_time_.first);
@@ -183,7 +196,7 @@ class McapWriter::Impl {
     WriteOut();
     PutSummary();
     WriteOut();
-    file_.Commit();
+    options_.is_synced ? file_.CommitSynced() : file_.Commit();
     return {.messages = message_count(), .chunks = chunk_count_, .bytes = file_.size()};
   }
 
@@ -208,6 +221,15 @@ class McapWriter::Impl {
     out_.resize(data_at + compressed);
     EndRecord(out_, begin);
     return compressed;
+  }
+
+  void KeepChunkIndex() {
+    if (chunk_indexes_.empty() ||
+        chunk_indexes_.back().size() + chunk_index_.size() > chunk_indexes_.back().capacity()) {
+      chunk_indexes_.emplace_back().reserve(std::max(kIndexBlockBytes, chunk_index_.size()));
+    }
+    PutBytes(chunk_indexes_.back(), chunk_index_);
+    chunk_index_.clear();
   }
 
   /// Writes one message index per channel, and their offsets into the chunk's index.
@@ -235,6 +257,7 @@ class McapWriter::Impl {
   void PutSummary() {
     const std::uint64_t start = file_.size();
     const Bytes statistics = Statistics();
+    for (const Bytes& block : chunk_indexes_) PutBytes(chunk_index_, block);
     const std::pair<Opcode, const Bytes*> groups[] = {
         {Opcode::kSchema, &schemas_},
         {Opcode::kChannel, &channels_},
@@ -280,7 +303,7 @@ class McapWriter::Impl {
     const std::size_t counts = BeginArray(record);
     for (std::size_t id = 0; id < channel_states_.size(); ++id) {
       Put(record, static_cast<std::uint16_t>(id));
-      Put(record, std::uint64_t{channel_states_[id].messages});
+      Put(record, channel_states_[id].messages);
     }
     EndArray(record, counts);
     EndRecord(record, begin);
@@ -316,7 +339,10 @@ class McapWriter::Impl {
   // Records for the summary.
   Bytes schemas_;
   Bytes channels_;
-  Bytes chunk_index_;
+  Bytes chunk_index_;  ///< of the chunk that is written; at the end of all
+  /// Of the chunks so far, in blocks that stay where they are: hours of a log make megabytes, of
+  /// which one vector would leave copies in the heap as it grows.
+  std::vector<Bytes> chunk_indexes_;
   Bytes attachment_index_;
   Bytes metadata_index_;
 };
@@ -349,6 +375,14 @@ void McapWriter::AddAttachment(std::string_view name, std::string_view media_typ
 std::span<std::byte> McapWriter::AddMessage(std::uint16_t channel, std::uint64_t log_time_ns,
                                             std::size_t size) {
   return impl_->AddMessage(channel, log_time_ns, size);
+}
+
+std::vector<std::uint32_t> McapWriter::next_sequences() const {
+  return impl_->next_sequences();
+}
+
+std::uint64_t McapWriter::bytes() const noexcept {
+  return impl_->bytes();
 }
 
 void McapWriter::Flush() {

@@ -1,5 +1,6 @@
 #include "twin/record/partial_file.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -55,6 +56,25 @@ fs::path Replaceable(fs::path path, const PartialFile::Kind& kind) {
   return path;
 }
 
+/// Puts a file or folder on the disk. @returns 0, or the errno.
+int Sync(int file) {
+  while (::fsync(file) != 0) {
+    // Some network file systems sync no folders.
+    if (errno == EINVAL || errno == ENOTSUP) return 0;
+    if (errno != EINTR) return errno;
+  }
+  return 0;
+}
+
+/// Puts a folder's names on the disk.
+void SyncFolder(const fs::path& folder) {
+  const int file = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (file < 0) return;  // it may be written without being readable
+  const int error = Sync(file);
+  ::close(file);
+  if (error != 0) Fail("keep the names in", folder, error);
+}
+
 }  // namespace
 
 PartialFile::PartialFile(fs::path path, Leftover leftover, const Kind& kind)
@@ -85,6 +105,14 @@ void PartialFile::Commit() {
   const int copy = ::dup(output_.lock());
   if (copy >= 0 && ::close(copy) != 0) Fail("close", output_.partial(), errno);
   output_.Publish();
+}
+
+void PartialFile::CommitSynced() {
+  if (const int error = Sync(output_.lock()); error != 0) {
+    Fail("write", output_.partial(), error);
+  }
+  Commit();
+  SyncFolder(path_.has_parent_path() ? path_.parent_path() : ".");
 }
 
 }  // namespace twin::record

@@ -9,8 +9,7 @@
 #include <utility>
 #include <variant>
 
-#include "record/log_encoder.h"
-#include "twin/record/mcap_writer.h"
+#include "record/log_writer.h"
 #include "twin/rt/host_time.h"
 #include "twin/rt/spsc_ring.h"
 
@@ -60,30 +59,29 @@ class Recorder::Ring : public rt::SpscRing<Item> {
 
 class Recorder::Writer {
  public:
-  Writer(const std::filesystem::path& path, const RunInfo& run, std::size_t chunk_bytes)
-      : mcap_(path, {.library = "panda-twin " + run.version, .chunk_bytes = chunk_bytes}),
-        encoder_(mcap_, run) {}
+  Writer(const std::filesystem::path& path, const RunInfo& run, const LogSplit& split,
+         std::size_t chunk_bytes)
+      : log_(path, run, split, chunk_bytes) {}
 
-  void operator()(const CycleRecord& record) { encoder_.Add(record); }
-  void operator()(const TickRecord& record) { encoder_.Add(record); }
-  void operator()(const SceneRecord& record) { encoder_.Add(record); }
-  void operator()(const PlanRecord& record) { encoder_.Add(record); }
+  template <class Record>
+  void operator()(const Record& record) {
+    log_.Add(record);
+  }
   void operator()(const EventItem& event) {
-    encoder_.Add(event.at, event.kind.Get(), event.text.Get());
+    log_.Add(event.at, event.kind.Get(), event.text.Get());
   }
 
-  void Flush() { mcap_.Flush(); }
-  McapTotals Finish() { return mcap_.Finish(); }
+  void Flush() { log_.Flush(); }
+  McapTotals Finish() { return log_.Finish(); }
 
  private:
-  McapWriter mcap_;
-  LogEncoder encoder_;
+  LogWriter log_;
 };
 
 Recorder::Recorder(const std::filesystem::path& path, const RunInfo& run, FullRing full_ring,
-                   std::size_t chunk_bytes)
+                   const LogSplit& split, std::size_t chunk_bytes)
     : full_ring_(full_ring),
-      writer_(std::make_unique<Writer>(path, run, chunk_bytes)),
+      writer_(std::make_unique<Writer>(path, run, split, chunk_bytes)),
       cycles_(std::make_unique<Ring>(kRingRecords)),
       ticks_(full_ring == FullRing::kDrop ? std::make_unique<Ring>(kRingRecords) : nullptr),
       events_(full_ring == FullRing::kDrop ? std::make_unique<Ring>(kRingEvents) : nullptr),

@@ -41,11 +41,15 @@ class Descriptor {
                       name, Message(errno)));
     }
   }
-  ~Descriptor() { ::close(number_); }
+  ~Descriptor() {
+    if (number_ >= 0) ::close(number_);
+  }
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
 
   [[nodiscard]] int number() const { return number_; }
+  /// @returns whether all that was written is in the file: some file systems say so only here.
+  [[nodiscard]] bool Close() { return ::close(std::exchange(number_, -1)) == 0; }
 
  private:
   int number_;
@@ -86,7 +90,8 @@ std::string ReadAll(const Descriptor& file, std::size_t most) {
 /// Runs gnuplot with the three standard files. @returns its wait status.
 int RunGnuplot(const Descriptor& in, const Descriptor& out, const Descriptor& error) {
   try {
-    rt::ChildProcess gnuplot("gnuplot", {"-d"},  // without the user's settings
+    // -d: without the user's settings. Without a file name it reads standard input byte by byte.
+    rt::ChildProcess gnuplot("gnuplot", {"-d", "/dev/stdin"},
                              {.in = in.number(), .out = out.number(), .error = error.number()});
     if (const std::optional<int> status = gnuplot.Wait(kTimeout)) return *status;
   } catch (const std::system_error& failed) {
@@ -129,9 +134,11 @@ void WriteSvg(std::string_view svg, const std::filesystem::path& path) {
   auto partial = path;
   partial += ".partial";
   try {
-    const Descriptor out(::open(partial.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644),
-                         partial.string());
-    WriteAll(out, svg, fmt::format("cannot write {}", partial.string()));
+    const std::string failed = fmt::format("cannot write {}", partial.string());
+    Descriptor out(::open(partial.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644),
+                   partial.string());
+    WriteAll(out, svg, failed);
+    if (!out.Close()) throw EnvironmentError(fmt::format("{}: {}", failed, Message(errno)));
     std::filesystem::rename(partial, path);
   } catch (const std::filesystem::filesystem_error& failure) {
     ::unlink(partial.c_str());

@@ -13,12 +13,6 @@
 
 namespace twin::report {
 
-/// True if the workstation wrote a command in this tick.
-[[nodiscard]] inline bool WroteCommand(const record::TickRecord& tick) {
-  return tick.action == record::TickAction::kWritten ||
-         tick.action == record::TickAction::kFinished;
-}
-
 /// What the emulated link drew for the state before a cycle and for its answer.
 struct LinkFate {
   bool state_lost = false;

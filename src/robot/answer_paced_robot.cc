@@ -195,7 +195,7 @@ void AnswerPacedRobot::OnGranted(Granted what) noexcept {
     return;  // without a motion nothing changes
   }
   if (what == Granted::kMove) {
-    phase_ = Phase::kStarting;
+    phase_ = robot().is_asynchronous() ? Phase::kFree : Phase::kStarting;
     waiting_since_ = clock().Now();
   }
   if (!cycling_ || !IsFrozen()) return;
@@ -213,6 +213,11 @@ void AnswerPacedRobot::Stop() noexcept {
 void AnswerPacedRobot::TakeCommands() noexcept {
   while (port().Receive(received_)) {
     RobotCommand& command = received_.command;
+    if (phase_ == Phase::kFree && command.message_id <= shown_.message_id) {
+      command.message_id = shown_cycle_;
+      robot().Send(command);
+      continue;
+    }
     // A duplicate would count or not, depending on the wall clock.
     if (command.message_id != shown_.message_id || answered_) continue;
     command.message_id = shown_cycle_;

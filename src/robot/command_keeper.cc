@@ -9,7 +9,8 @@ RobotCommand CommandKeeper::Keep(const RobotState& answered,
                                  const RobotCommand& command) const noexcept {
   RobotCommand kept = command;
   switch (answered.motion_generator_mode) {
-    case MotionGeneratorMode::kIdle: break;
+    case MotionGeneratorMode::kIdle:
+    case MotionGeneratorMode::kNone: break;
     case MotionGeneratorMode::kJointPosition:
       kept.q_c = joints_.Next(answered.q_d, answered.dq_d, answered.ddq_d, command.q_c).q_c;
       break;

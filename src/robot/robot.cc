@@ -35,6 +35,7 @@ void Robot::ResetBodies(const JointVector& q) {
   }
   plant_->Reset(q);
   if (plant_->hand() != nullptr) live_.hand.emplace(*plant_->hand());
+  if (plant_->suction() != nullptr) live_.hand.emplace(*plant_->suction());
   if (plant_->base() != nullptr) base_.emplace(*plant_->base(), config_.base);
 }
 
@@ -73,6 +74,11 @@ RobotState Robot::Peek() const noexcept {
   unasked.FillState(plant_->sensors(), state);
   state.message_id = 0;
   return state;
+}
+
+void Robot::StandBy() noexcept {
+  sink_ = nullptr;
+  plant_->StandBy();
 }
 
 void Robot::Begin() noexcept {
@@ -137,10 +143,11 @@ void Robot::OperatePanel() noexcept {
 void Robot::Cycle(Time now) noexcept {
   OperatePanel();
   const bool in_motion = live_.onboard.robot_mode() == RobotMode::kMove;
-  const RobotCommand* command = live_.inbox.Select(live_.onboard.message_id(), now - d_INT_);
+  const RobotCommand* command =
+      live_.inbox.Select(live_.onboard.oldest_answered(), live_.onboard.message_id(), now - d_INT_);
   RobotCommand kept;
   const bool begun_before = live_.onboard.fate() != record::CommandFate::kNone;
-  if (keeper_ && command != nullptr && begun_before) {
+  if (keeper_ && command != nullptr && begun_before && !is_asynchronous()) {
     kept = keeper_->Keep(live_.record.state, *command);
     command = &kept;
   }

@@ -60,8 +60,8 @@ MadePlant MakePlant(const RobotConfig& config) {
     const setting::Load& load = config.plant.load;
     const model::Payload there =
         model::Combine(config.onboard.end_effector, {load.m_load, load.F_x_Cload, load.I_load});
-    return {std::make_unique<plant::IdealPlant>(there, config.plant.hand), nullptr,
-            "ideal plant (q = q_d)"};
+    return {std::make_unique<plant::IdealPlant>(there, config.plant.hand, config.onboard.arm),
+            nullptr, "ideal plant (q = q_d)"};
   }
   std::unique_ptr<plant::MujocoPlant> plant = plant::MujocoPlant::Create(config.plant);
   plant::MujocoPlant* engine = plant.get();

@@ -85,8 +85,7 @@ class MotionLimits {
 };
 
 model::LimitedArm ArmOf(const scenario::Scenario& scenario, const scenario::RobotData& robot) {
-  return {robot.F_T_EE(scenario.onboard.NE_T_EE),
-          scenario.robot.hand == plant::HandKind::kFrankaHand};
+  return {robot.F_T_EE(scenario.onboard.NE_T_EE), scenario.robot.hand != plant::HandKind::kNone};
 }
 
 }  // namespace

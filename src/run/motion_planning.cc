@@ -113,9 +113,10 @@ std::string HeldBody(planning::CollisionWorld& world, const JointVector& q,
                      const std::vector<std::pair<std::string, Transform>>& bodies) {
   constexpr double kTouch = 2e-3;
   for (const planning::Touch& touch : world.Touches(q, kTouch)) {
-    const bool by_finger = touch.a.find("finger") != std::string_view::npos;
+    const bool by_hand = touch.a.find("finger") != std::string_view::npos ||
+                         touch.a.find("cup") != std::string_view::npos;
     for (const auto& [name, pose] : bodies) {
-      if (by_finger && touch.b == name) return name;
+      if (by_hand && touch.b == name) return name;
     }
   }
   return {};

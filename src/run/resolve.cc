@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 
 #include "twin/core/error.h"
+#include "twin/core/time.h"
+#include "twin/fci/protocol.h"
 #include "twin/model/arm_model.h"
 #include "twin/model/transform.h"
 #include "twin/reference/rate_limiter.h"
@@ -16,12 +18,43 @@
 namespace twin::run {
 namespace {
 
+/// States of protocol 10 are in single precision. A client that continues from them is off by half
+/// the distance of two such numbers: up to 2.4e-7 rad of a joint, 6e-8 of a pose. INT takes that
+/// for motion, and allows it. Not public: a decision.
+void AllowRounding(onboard::OnboardConfig& config) {
+  constexpr double kJoint = 2.4e-7;
+  constexpr double kPose = 6e-8;
+  const auto allow = [](double rounding, double& dp, double& ddp, double& dddp) {
+    dp += rounding / kCycleSeconds;
+    ddp += rounding / (kCycleSeconds * kCycleSeconds);
+    dddp += rounding / (kCycleSeconds * kCycleSeconds * kCycleSeconds);
+  };
+  JointLimits& joints = config.limits;
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    allow(kJoint, joints.dq_max[i], joints.ddq_max[i], joints.dddq_max[i]);
+  }
+  CartesianLimits& cartesian = config.cartesian;
+  allow(kPose, cartesian.translation.dp_max, cartesian.translation.ddp_max,
+        cartesian.translation.dddp_max);
+  allow(kPose, cartesian.rotation.dp_max, cartesian.rotation.ddp_max, cartesian.rotation.dddp_max);
+  allow(kJoint, cartesian.elbow.dp_max, cartesian.elbow.ddp_max, cartesian.elbow.dddp_max);
+}
+
 onboard::OnboardConfig MakeOnboard(const scenario::Scenario& scenario,
                                    const scenario::RobotData& robot) {
   onboard::OnboardConfig config;
   const scenario::OnboardSection& section = scenario.onboard;
   config.limits = robot.limits;
   config.cartesian = robot.cartesian;
+  config.arm = robot.arm;
+  if (robot.protocol == fci::VersionOf(fci::Protocol::k10)) {
+    if (section.filters != setting::Filters()) {
+      throw InputError(fmt::format(
+          "onboard.filters: {} has none that a client could set; leave them out", robot.name));
+    }
+    AllowRounding(config);
+    config.has_accelerometers = true;
+  }
   config.joint_impedance.K_theta = section.K_theta;
   config.cartesian_impedance.K_x = section.K_x;
   config.collision_behavior = section.collision_behavior;
@@ -58,6 +91,7 @@ plant::MujocoPlantOptions MakePlant(const scenario::Scenario& scenario,
   options.mesh_package = files.mesh_package;
   options.cache = files.cache;
   options.rebuild_cache = files.rebuild_cache;
+  options.pose = scenario.robot.pose;
   options.hand = scenario.robot.hand;
   options.friction = scenario.plant.friction;
   options.armature = scenario.plant.armature;
@@ -194,6 +228,7 @@ MotionModes ModesOf(const scenario::MotionSection& motion) {
 robot::RobotConfig MakeRobotConfig(const scenario::Scenario& scenario,
                                    const scenario::RobotData& robot, const RunFiles& files) {
   robot::RobotConfig config;
+  config.protocol = robot.protocol;
   config.onboard = MakeOnboard(scenario, robot);
   config.plant_kind = scenario.plant.kind;
   config.plant = MakePlant(scenario, robot, files);

@@ -181,9 +181,9 @@ fs::path FindLog(const fs::path& named) {
 void WriteWholeFile(const fs::path& file, std::string_view text) {
   const fs::path partial = PartialOf(file);
   std::ofstream out(partial, std::ios::binary);
-  out << text << std::flush;
+  out << text;
+  out.close();  // some file systems report write errors only here
   if (!out) FailToWrite(partial, "disk full or permission denied");
-  out.close();
   std::error_code error;
   fs::rename(partial, file, error);
   if (error) FailToWrite(file, error.message());

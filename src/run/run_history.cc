@@ -161,11 +161,12 @@ void RunHistory::Keep(PastRun run) const {
   std::error_code error;
   fs::create_directories(folder_, error);
   std::ofstream out(partial, std::ios::binary);
-  out << TextOf(json) << std::flush;
-  const bool is_written = out.good();
+  out << TextOf(json);
   out.close();
-  if (is_written) fs::rename(partial, file, error);
-  if (!is_written || error) {
+  if (out) fs::rename(partial, file, error);
+  if (!out || error) {
+    std::error_code ignored;
+    fs::remove(partial, ignored);
     throw EnvironmentError(fmt::format(
         "{}: cannot be written, so that this run counts as no rehearsal; make its folder writable, "
         "or name another by XDG_STATE_HOME",

@@ -6,8 +6,8 @@
 namespace twin::run {
 
 void RunRecords::Log(const std::filesystem::path& path, const record::RunInfo& run,
-                     record::FullRing full_ring) {
-  log_.emplace(path, run, full_ring);
+                     record::FullRing full_ring, const record::LogSplit& split) {
+  log_.emplace(path, run, full_ring, split);
 }
 
 void RunRecords::Film(const plant::TruthProbe& truth, Duration duration, int fps,

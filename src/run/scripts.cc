@@ -15,8 +15,10 @@ constexpr Duration kHandPeriod = std::chrono::milliseconds(10);
 constexpr Duration kDrivePeriod = std::chrono::milliseconds(50);
 
 std::string EndText(const HandCommand& command, const HandOutcome& outcome) {
-  return fmt::format("{}: {}; {:.1f} mm open{}", twin::Name(command), Name(*outcome.result),
-                     1e3 * outcome.width, outcome.is_grasped ? ", something is grasped" : "");
+  const std::string state = outcome.pump ? fmt::format("{} mbar", outcome.pump->vacuum)
+                                         : fmt::format("{:.1f} mm open", 1e3 * outcome.width);
+  return fmt::format("{}: {}; {}{}", twin::Name(command), Name(*outcome.result), state,
+                     outcome.is_grasped ? ", something is grasped" : "");
 }
 
 /// Lines of a script as events of a kind; empty when nothing listens. `hooks` must outlive it.
@@ -73,6 +75,7 @@ void HandScript::Look(Time now) {
     const HandState state = hand_.ReadState();
     outcome.width = state.width;
     outcome.is_grasped = state.is_grasped;
+    outcome.pump = state.pump;
     Say(now, EndText(events_[index].command, outcome));
   } catch (const Error& error) {
     outcome.result = HandResult::kFail;

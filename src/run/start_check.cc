@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "twin/core/error.h"
+#include "twin/fci/protocol.h"
 #include "twin/model/arm_model.h"
 #include "twin/reference/trajectory.h"
 
@@ -55,7 +56,7 @@ Vector3 TiltedGravity(const plant::BaseTilt& tilt) {
 /// What holds the arm that the scenario describes, Nm.
 JointVector HoldingTorques(const JointVector& q, const scenario::Scenario& scenario,
                            const scenario::RobotData& robot) {
-  const model::ArmModel& arm = model::ArmModel::Panda();
+  const model::ArmModel& arm = robot.arm;
   const Vector3 gravity = TiltedGravity(scenario.plant.base_tilt);
   const setting::Load& load = scenario.robot.load;
   const auto hold = [&](const model::Payload& payload) { return arm.Gravity(q, payload, gravity); };
@@ -234,15 +235,16 @@ CheckLine CheckScheduler(const std::vector<std::string>& notices, backend::Robot
   return {"scheduler", false, fmt::format("{}", fmt::join(notices, "; "))};
 }
 
-std::vector<Setting> SettingsOf(const scenario::OnboardSection& onboard) {
-  return {setting::JointImpedance{onboard.K_theta},
-          setting::CartesianImpedance{onboard.K_x},
-          onboard.collision_behavior,
-          onboard.guiding_mode,
-          setting::StiffnessFrame{onboard.EE_T_K.Matrix()},
-          setting::EndEffectorFrame{onboard.NE_T_EE.Matrix()},
-          onboard.load,
-          onboard.filters};
+std::vector<Setting> SettingsOf(const scenario::OnboardSection& onboard, bool has_filters) {
+  std::vector<Setting> settings{setting::JointImpedance{onboard.K_theta},
+                                setting::CartesianImpedance{onboard.K_x},
+                                onboard.collision_behavior,
+                                onboard.guiding_mode,
+                                setting::StiffnessFrame{onboard.EE_T_K.Matrix()},
+                                setting::EndEffectorFrame{onboard.NE_T_EE.Matrix()},
+                                onboard.load};
+  if (has_filters) settings.emplace_back(onboard.filters);
+  return settings;
 }
 
 bool RunStartCheck(const StartCheck& check, const scenario::Scenario& scenario,
@@ -266,7 +268,8 @@ bool RunStartCheck(const StartCheck& check, const scenario::Scenario& scenario,
   note(CheckErrors(heard.last));
   note(CheckLimits(heard.last, robot.limits));
   RobotState state = heard.last;
-  if (is_idle && note(SendSettings(check.backend, SettingsOf(scenario.onboard)))) {
+  const bool has_filters = robot.protocol == fci::VersionOf(fci::Protocol::k5);
+  if (is_idle && note(SendSettings(check.backend, SettingsOf(scenario.onboard, has_filters)))) {
     const loop::ListenReport now = listen(kShortly);
     if (now.states > 0) state = now.last;
     note(CheckPayload(state, scenario, robot));

@@ -58,7 +58,9 @@ inline constexpr double kLeastSuccessRate = 0.9;
                                        backend::RobotTime time);
 
 /// The requests that make the robot what the scenario's section onboard says.
-[[nodiscard]] std::vector<Setting> SettingsOf(const scenario::OnboardSection& onboard);
+/// @param has_filters  the robot knows the request for them.
+[[nodiscard]] std::vector<Setting> SettingsOf(const scenario::OnboardSection& onboard,
+                                              bool has_filters);
 
 /// The robot, and how to listen to it.
 struct StartCheck {

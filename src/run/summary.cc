@@ -85,10 +85,12 @@ Json HandJson(const scenario::Scenario& scenario, const RunResult& result) {
                         {"failure", outcome.failure},
                         {"width_m", ended ? Json(outcome.width) : Json()},
                         {"is_grasped", ended ? Json(outcome.is_grasped) : Json()}});
+    if (outcome.pump) commands.back()["vacuum_mbar"] = outcome.pump->vacuum;
   }
-  return {{"commands", commands},
-          {"width_m", result.hand->state.width},
-          {"is_grasped", result.hand->state.is_grasped}};
+  const HandState& state = result.hand->state;
+  Json hand{{"commands", commands}, {"width_m", state.width}, {"is_grasped", state.is_grasped}};
+  if (state.pump) hand["vacuum_mbar"] = state.pump->vacuum;
+  return hand;
 }
 
 /// What planning took and gave; null when nothing was planned.
@@ -165,8 +167,9 @@ std::string HandText(const scenario::Scenario& scenario, const HandReport& hand)
   for (std::size_t i = 0; i < hand.commands.size(); ++i) {
     text += fmt::format("{} {}, ", Name(scenario.hand[i].command), ResultOf(hand.commands[i]));
   }
-  return text + fmt::format("{:.1f} mm open at the end{}", 1e3 * hand.state.width,
-                            hand.state.is_grasped ? ", something is grasped" : "");
+  text += hand.state.pump ? fmt::format("{} mbar", hand.state.pump->vacuum)
+                          : fmt::format("{:.1f} mm open", 1e3 * hand.state.width);
+  return text + fmt::format(" at the end{}", hand.state.is_grasped ? ", something is grasped" : "");
 }
 
 std::vector<report::ScriptedForce> ForcesOf(const scenario::Scenario& scenario) {

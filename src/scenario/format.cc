@@ -92,7 +92,7 @@ std::string JsonSchema() {
 std::string KeyTable() {
   const Json schema = SchemaOfScenario();
   std::string text(kHead);
-  text += Table("scenario", "One of motion and application is required.", Rows("", schema));
+  text += Table("scenario", "One of motion, application and robots is required.", Rows("", schema));
   for (const auto& [key, property] : schema["properties"].items()) {
     text += Table(key, property.value("description", ""), Rows(key, property));
   }

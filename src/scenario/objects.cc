@@ -55,22 +55,33 @@ Transform BelowOf(const ObjectSection& section, const std::vector<SceneObject>& 
                   section.on, kGround));
 }
 
-SceneObject Drawn(const ObjectSection& section, const Draws& draws,
-                  const std::vector<SceneObject>& before) {
+/// The section with drawn values in place of its ranges.
+ObjectSection Drawn(const ObjectSection& section, const Draws& draws) {
   const ObjectSpread& spread = section.spread;
-  SceneObject object{.name = section.name, .shape = section.shape};
-  object.size = draws.About(section.size, spread.size, 0);
-  if (section.shape != ObjectShape::kBox) object.size[1] = object.size[0];
-  if (section.shape == ObjectShape::kSphere) object.size[2] = object.size[0];
-  if (section.mass) object.mass = draws.About(*section.mass, spread.mass, 3);
-  object.friction = draws.About(section.friction, spread.friction, 4);
-  const FramePose pose{draws.About(section.pose.position, spread.position, 5),
-                       draws.About(section.pose.rpy, spread.rpy, 8)};
-  object.X_WB =
-      section.on.empty() ? pose.Matrix() : StandingOn(BelowOf(section, before), object, pose);
-  if (section.colour) {
-    std::ranges::copy(*section.colour, object.rgba.begin());
-  } else if (!section.mass) {
+  ObjectSection drawn = section;
+  drawn.spread = {};
+  drawn.size = draws.About(section.size, spread.size, 0);
+  if (section.shape != ObjectShape::kBox) drawn.size[1] = drawn.size[0];
+  if (section.shape == ObjectShape::kSphere) drawn.size[2] = drawn.size[0];
+  if (section.mass) drawn.mass = draws.About(*section.mass, spread.mass, 3);
+  drawn.friction = draws.About(section.friction, spread.friction, 4);
+  drawn.pose = {draws.About(section.pose.position, spread.position, 5),
+                draws.About(section.pose.rpy, spread.rpy, 8)};
+  return drawn;
+}
+
+/// @param drawn  without ranges.
+SceneObject Placed(const ObjectSection& drawn, const std::vector<SceneObject>& before) {
+  SceneObject object{.name = drawn.name,
+                     .shape = drawn.shape,
+                     .size = drawn.size,
+                     .mass = drawn.mass,
+                     .friction = drawn.friction};
+  object.X_WB = drawn.on.empty() ? drawn.pose.Matrix()
+                                 : StandingOn(BelowOf(drawn, before), object, drawn.pose);
+  if (drawn.colour) {
+    std::ranges::copy(*drawn.colour, object.rgba.begin());
+  } else if (!drawn.mass) {
     object.rgba = kWood;
   }
   return object;
@@ -124,20 +135,28 @@ Transform TopOf(const SceneObject& object) {
   return Moved(object.X_WB, 0, 0, object.size[2] / 2);
 }
 
+std::vector<ObjectSection> DrawnFrom(std::span<const ObjectSection> objects, std::uint64_t seed) {
+  std::vector<ObjectSection> drawn;
+  for (const ObjectSection& section : objects) {
+    drawn.push_back(Drawn(section, Draws(seed, drawn.size())));
+  }
+  return drawn;
+}
+
 std::vector<SceneObject> ObjectsOf(std::span<const ObjectSection> objects, std::uint64_t seed) {
-  std::vector<SceneObject> drawn;
+  std::vector<SceneObject> placed;
   for (const ObjectSection& section : objects) {
     try {
       RequireSection(section);
-      drawn.push_back(Drawn(section, Draws(seed, drawn.size()), drawn));
-      plant::Validate(drawn);
+      placed.push_back(Placed(Drawn(section, Draws(seed, placed.size())), placed));
+      plant::Validate(placed);
     } catch (const InputError& error) {
       throw InputError(fmt::format("{}objects: {}: {}",
                                    section.where.empty() ? "" : section.where + ": ", section.name,
                                    error.what()));
     }
   }
-  return drawn;
+  return placed;
 }
 
 }  // namespace twin::scenario

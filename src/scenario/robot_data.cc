@@ -1,40 +1,22 @@
 #include "twin/scenario/robot_data.h"
 
-#include <algorithm>
 #include <cmath>
-#include <system_error>
-#include <vector>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
+#include "scenario/robot_folders.h"
 #include "scenario/schema.h"
 #include "twin/core/error.h"
+#include "twin/fci/protocol.h"
 #include "twin/model/transform.h"
+#include "twin/plant/arm_model_file.h"
+#include "twin/scenario/robot_identity.h"
 
 namespace twin::scenario {
 
 using enum Dimension;
 
 namespace {
-
-/// The folders of robots or bases that have a file. @param key  whose value is `name`, for
-/// messages.
-/// @throws InputError listing the names when `name` is none of them.
-void RequireFolder(const std::filesystem::path& robots, std::string_view name, const char* file,
-                   std::string_view key) {
-  std::vector<std::string> names;
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(robots, error)) {
-    if (std::filesystem::exists(entry.path() / file, error)) {
-      names.push_back(entry.path().filename().string());
-    }
-  }
-  std::ranges::sort(names);
-  if (std::ranges::find(names, name) != names.end()) return;
-  throw InputError(fmt::format("{}: \"{}\" is unknown; {} has: {}", key, name, robots.string(),
-                               fmt::join(names, ", ")));
-}
 
 /// Turned by `angle` about z, then moved by `z` along it.
 Transform TurnedAndRaised(double angle, double z) {
@@ -111,6 +93,8 @@ void DescribeJoints(Map& map, JointLimits& limits) {
   map.Add("tau_max", Joints(limits.tau_max, kTorque));
   map.Add("dtau_max", Joints(limits.dtau_max, kTorqueRate));
   map.RequireAll();
+  map.Add("velocity_offset", Joints(limits.velocity_offset, kAngularVelocity));
+  map.Add("deceleration", Joints(limits.deceleration, kAngularAcceleration));
 }
 
 constexpr double kLeastOfBase = 1e-3;
@@ -195,22 +179,33 @@ CartesianLimits LoadCartesianLimits(const std::filesystem::path& file) {
 RobotData LoadRobotData(const std::filesystem::path& models, std::string_view name,
                         plant::HandKind hand) {
   const std::filesystem::path robots = models / "robots";
-  RequireFolder(robots, name, "limits.yaml", "robot.model");
+  RequireFolder(robots, name, "limits.yaml", "robot.model:");
+  const RobotIdentity identity = LoadRobotIdentity(models, name);
   RobotData robot;
+  robot.protocol = identity.protocol;
   robot.name = name;
   robot.urdf = robots / name / (robot.name + ".urdf");
+  if (!identity.has_library_model) robot.arm = plant::ArmModelOf(robot.urdf);
   robot.limits = LoadJointLimits(robots / name / "limits.yaml");
+  if (robot.protocol == fci::VersionOf(fci::Protocol::k10) &&
+      robot.limits.deceleration == JointVector{}) {
+    throw InputError(fmt::format(
+        "{}: joints: velocity_offset and deceleration are missing; clients of protocol 10 demand "
+        "them, in {} too",
+        (robots / name / "limits.yaml").string(), robot.urdf.filename().string()));
+  }
   robot.cartesian = LoadCartesianLimits(robots / name / "limits.yaml");
   robot.rotor_inertia = LoadRotorInertia(robots / name / "drives.yaml");
-  if (hand == plant::HandKind::kFrankaHand) {
-    ReadEndEffector(robots / "hand" / "end_effector.yaml", robot);
+  if (hand != plant::HandKind::kNone) {
+    const char* const folder = hand == plant::HandKind::kFrankaHand ? "hand" : "cobot_pump";
+    ReadEndEffector(robots / folder / "end_effector.yaml", robot);
   }
   return robot;
 }
 
 BaseData LoadBaseData(const std::filesystem::path& models, std::string_view name) {
   const std::filesystem::path robots = models / "robots";
-  RequireFolder(robots, name, kBaseFile, "base.model");
+  RequireFolder(robots, name, kBaseFile, "base.model:");
   const std::filesystem::path folder = robots / name;
   return {.urdf = folder / (std::string(name) + ".urdf"),
           .config = ReadBaseConfig(folder / kBaseFile)};

@@ -138,6 +138,11 @@ static void Describe(Map& map, setting::Load& load) {
       "Moments about the centre of mass: xx, yy, zz; of robot.load all zero: a steel ball's.");
 }
 
+static void Describe(Map& map, plant::ArmPose& pose) {
+  map.Add("position", Vector(pose.position, kLength, -100, 100), "Of its origin.");
+  map.Add("yaw", Quantity(pose.yaw, kAngle, -kTurn, kTurn), "Turn about z.");
+}
+
 static void Describe(Map& map, BasePose& pose) {
   map.Add("x", Quantity(pose.x, kLength, -100, 100), "Distance ahead.");
   map.Add("y", Quantity(pose.y, kLength, -100, 100), "Distance to the left.");
@@ -183,6 +188,8 @@ void DescribeRobot(Map& map, Scenario& scenario) {
               std::uint64_t{0}, [](auto& draw) { return Integer(draw, 0, 1'000'000'000); },
               [](auto /*draw*/) {})),
           "Above 0: number of a draw from the profile's covariance.");
+  map.Add("pose", SectionOf(robot.pose), "Where the arm's base stands in the world.")
+      .OmitIf(robot.pose == plant::ArmPose());
   map.Add("hand", Choice(robot.hand, kHandNames), "What is mounted on the flange.");
   map.Add("q_start", Optional(robot.q_start, [](JointVector& q) { return Joints(q, kAngle); }),
           "Where the arm starts; absent: at the first waypoint.");

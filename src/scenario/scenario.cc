@@ -69,11 +69,29 @@ void ValidateBase(const Scenario& scenario) {
            "base.drive: beside an application, which drives the base itself");
 }
 
+/// Only a motion of its own, in the engine, is known to mind where the arm stands.
+void ValidatePose(const Scenario& scenario) {
+  if (scenario.robot.pose == plant::ArmPose()) return;
+  RefuseIf(scenario.base.has_value(),
+           "robot.pose: the arm stands on a mobile base; say base.start, or leave one of them out");
+  RefuseIf(scenario.application.has_value(),
+           "robot.pose: an application takes the arm to stand at the world's origin; leave it out");
+  RefuseIf(scenario.is_remote(),
+           "robot.pose: a robot at the other end of a wire stands where it stands; leave it out");
+}
+
 void ValidateHand(const Scenario& scenario) {
   if (scenario.hand.empty()) return;
   RefuseIf(scenario.robot.hand == plant::HandKind::kNone,
            "hand: robot.hand is none, so there is nothing to command; say robot: {hand: "
            "franka_hand}, or leave the commands out");
+  const HandDevice device = plant::DeviceOf(scenario.robot.hand);
+  for (const HandEvent& event : scenario.hand) {
+    if (const auto bad = FindBadValue(event.command, 0, device)) {
+      throw InputError(fmt::format("hand: at {}: {}: {}", FormatDuration(event.at),
+                                   twin::Name(event.command), twin::Describe(*bad)));
+    }
+  }
   RefuseIf(scenario.application.has_value(),
            "hand: beside an application, which commands the hand itself");
   RefuseIf(scenario.motion.plan.has_value(),
@@ -204,6 +222,7 @@ void Scenario::Validate() const {
   if (operator_section) operator_section->Validate();
   (void)ObjectsOf(objects, seed);  // whether they can be drawn depends on the seed, too
   ValidateBase(*this);
+  ValidatePose(*this);
   ValidateHand(*this);
   render.Validate();
 }

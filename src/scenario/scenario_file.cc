@@ -103,15 +103,18 @@ void AddWhatMoves(Map& map, Scenario& s) {
 
 void Describe(Map& map, Scenario& s) {
   map.Before([&map](const YamlNode& /*node*/) {
+    if (const auto robots = map.Given("robots")) return Robots().read(*robots);
     if (!map.Given("application")) return (void)map.MustBeGiven("motion");
     if (const auto motion = map.Given("motion")) {
       motion->Fail("beside an application, which makes its motions itself; leave one of them out");
     }
   });
-  map.DescribeOneOf({"motion", "application"});
+  map.DescribeOneOf({"motion", "application", "robots"});
   map.ReadLast({"tick", "controller"});
   AddWhatIsRun(map, s);
   AddWhatIsThere(map, s);
+  map.Add("robots", Robots(),
+          "Several robots in one scene, by their names, in place of one: the keys of each.");
   AddWhatMoves(map, s);
   const auto perturbation = [](plant::Perturbation& p) { return SectionOf(p, Style::kBare); };
   map.Add("perturbations", List(s.perturbations, perturbation, Style::kBlock),
@@ -122,15 +125,14 @@ void Describe(Map& map, Scenario& s) {
   map.Add("record", Bool(s.record), "Whether the log, and plots from it, are written.");
 }
 
-namespace {
-
-Scenario ReadScenario(const YamlNode& root, const std::filesystem::path& folder,
-                      bool stands = false) {
+Scenario ReadScenario(const YamlNode& root, const std::filesystem::path& folder, bool stands) {
   Scenario scenario;
   scenario.places.folder = folder;
   Map map;
   Describe(map, scenario);
-  if (stands) map.Before([](const YamlNode& /*node*/) {});  // it needs nothing that moves it
+  if (stands && !root.Member("robots")) {
+    map.Before([](const YamlNode& /*node*/) {});  // it needs nothing that moves it
+  }
   if (const auto robot = root.Member("robot")) ReadProfile(*robot, scenario);
   map.Read(root);
   if (stands) {
@@ -143,6 +145,8 @@ Scenario ReadScenario(const YamlNode& root, const std::filesystem::path& folder,
   return scenario;
 }
 
+namespace {
+
 Scenario ReadServed(const YamlNode& root, const std::filesystem::path& folder) {
   const bool moves = root.Member("motion") || root.Member("application");
   return ReadScenario(root, folder, !moves);
@@ -151,7 +155,7 @@ Scenario ReadServed(const YamlNode& root, const std::filesystem::path& folder) {
 }  // namespace
 
 Scenario Load(const std::filesystem::path& path) {
-  return ReadScenario(YamlNode::ParseFile(path.string()), path.parent_path());
+  return ReadScenario(YamlNode::ParseFile(path.string()), path.parent_path(), false);
 }
 
 Scenario LoadServed(const std::filesystem::path& path) {
@@ -163,7 +167,7 @@ Scenario ParseServed(const std::string& text, const std::filesystem::path& file)
 }
 
 Scenario Parse(const std::string& text, const std::filesystem::path& file) {
-  return ReadScenario(YamlNode::Parse(text, file.string()), file.parent_path());
+  return ReadScenario(YamlNode::Parse(text, file.string()), file.parent_path(), false);
 }
 
 std::string ToYaml(const Scenario& scenario) {

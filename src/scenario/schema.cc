@@ -64,6 +64,12 @@ void Map::ExactlyOne(std::string_view other) {
   std::erase(one_of_, other);
 }
 
+void Map::Retain(std::span<const std::string_view> keys) {
+  std::erase_if(entries_, [keys](const Entry& entry) {
+    return std::ranges::find(keys, entry.key) == keys.end();
+  });
+}
+
 std::vector<std::string_view> Map::Keys() const {
   std::vector<std::string_view> keys;
   for (const Entry& entry : entries_) keys.push_back(entry.key);

@@ -81,6 +81,8 @@ class Map {
   void DescribeOneOf(std::vector<std::string_view> keys) { one_of_ = std::move(keys); }
   /// Runs with the map's node when its keys are known, before the first value is read.
   void Before(Hook hook) { before_ = std::move(hook); }
+  /// Forgets all other keys.
+  void Retain(std::span<const std::string_view> keys);
   /// The reader takes these keys after the others.
   void ReadLast(std::vector<std::string_view> keys) { last_ = std::move(keys); }
   /// Refuses a key of former versions. @param what  the message: what to do.

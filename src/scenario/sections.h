@@ -64,5 +64,11 @@ void DescribeMotion(Map& map, Scenario& scenario);
 void ReadProfile(const YamlNode& robot, Scenario& scenario);
 /// All keys of a scenario.
 void Describe(Map& map, Scenario& scenario);
+/// The scenario of a whole document. @param stands  it needs nothing that moves the arm, as of
+/// LoadServed().
+[[nodiscard]] Scenario ReadScenario(const YamlNode& root, const std::filesystem::path& folder,
+                                    bool stands);
+/// The key `robots` for the JSON Schema; a reader of one robot's scenario refuses it.
+[[nodiscard]] Value Robots();
 
 }  // namespace twin::scenario

@@ -1,4 +1,8 @@
+#include <chrono>
+#include <cmath>
+#include <cstdint>
 #include <functional>
+#include <type_traits>
 
 #include "scenario/sections.h"
 #include "twin/core/error.h"
@@ -15,6 +19,7 @@ constexpr double kRoughest = 10;
 constexpr double kMostForce = 1e4;     // N or Nm
 constexpr double kFarthestPush = 100;  // m
 constexpr double kAnyHand = 1e6;       // FindBadValue() has the hand's own ranges
+constexpr double kUnit = 1000;         // of a pump's set point, Pa
 
 Value PointOf(Vector3& point) {
   return Vector(point, kLength, -kFarthestPush, kFarthestPush);
@@ -47,8 +52,11 @@ void AddWidthAndSpeed(Map& map, double& width, double& speed, std::string_view w
 template <typename T>
 Value CommandOf(HandCommand& command) {
   // The largest opening is known to a hand that was homed; the one it is built for counts here.
+  // That the mounted hand has the command is for Scenario::Validate().
+  constexpr bool kSucks = std::is_same_v<T, hand::Vacuum> || std::is_same_v<T, hand::DropOff>;
   const auto validate = [&command] {
-    if (const auto bad = FindBadValue(command, 0)) throw InputError(Describe(*bad));
+    const auto device = kSucks ? HandDevice::kCobotPump : HandDevice::kFrankaHand;
+    if (const auto bad = FindBadValue(command, 0, device)) throw InputError(Describe(*bad));
   };
   return Alternative<T>(command, [validate](T& one) {
     if constexpr (std::is_empty_v<T>)
@@ -175,6 +183,32 @@ static void Describe(Map& map, hand::Grasp& grasp) {
           "A grasp that ends wider than width by more is unsuccessful.");
 }
 
+static Value TimeoutOf(std::int64_t& timeout_ms) {
+  using std::chrono::milliseconds;
+  return Converted(
+      Duration(milliseconds(timeout_ms)),
+      [](Duration& span) { return TimeSpan(span, Duration::zero(), kDay); },
+      [&timeout_ms](Duration span) {
+        timeout_ms = std::chrono::round<milliseconds>(span).count();
+      });
+}
+
+static void Describe(Map& map, hand::Vacuum& vacuum) {
+  const auto pressure = [](double& p) { return Quantity(p, kPressure, kUnit, 255 * kUnit); };
+  const auto set = [&vacuum](double p) {
+    vacuum.vacuum = static_cast<std::uint8_t>(std::lround(p / kUnit));
+  };
+  map.Require("vacuum", Converted(kUnit * vacuum.vacuum, pressure, set),
+              "Set point, to the nearest 10 mbar; the pump reaches 750 mbar.");
+  map.Add("profile", Integer(vacuum.profile, 0, 3), "Of the pump's settings; all are the same.");
+  map.Require("timeout", TimeoutOf(vacuum.timeout_ms),
+              "Time to hold an object; else it is unsuccessful, and sucks no more.");
+}
+
+static void Describe(Map& map, hand::DropOff& drop) {
+  map.Require("timeout", TimeoutOf(drop.timeout_ms), "Time to be rid of the vacuum.");
+}
+
 Value Hand(std::vector<HandEvent>& hand) {
   const auto event = [&hand](HandEvent& one) {
     return Section([&hand, &one](Map& map) {
@@ -186,7 +220,12 @@ Value Hand(std::vector<HandEvent>& hand) {
               "Moves the fingers to both ends; the hand learns its largest opening.");
       map.Add("move", CommandOf<hand::Move>(one.command), "Moves the fingers to an opening.");
       map.Add("grasp", CommandOf<hand::Grasp>(one.command), "Grasps an object and holds it.");
-      map.Add("stop", CommandOf<hand::Stop>(one.command), "Ends what runs and releases the force.");
+      map.Add("vacuum", CommandOf<hand::Vacuum>(one.command),
+              "Of a cobot pump: sucks an object on and holds it.");
+      map.Add("drop_off", CommandOf<hand::DropOff>(one.command),
+              "Of a cobot pump: lets the object go.");
+      map.Add("stop", CommandOf<hand::Stop>(one.command),
+              "Ends what runs and releases the force, or the vacuum.");
       map.ExactlyOne("at");
     });
   };

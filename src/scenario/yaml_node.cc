@@ -158,6 +158,13 @@ std::optional<YamlNode> YamlNode::Member(std::string_view key) const {
   return std::nullopt;
 }
 
+YamlNode YamlNode::With(std::span<const std::pair<std::string, YamlNode>> more) const {
+  YAML::Node all(YAML::NodeType::Map);
+  for (const auto& item : node_) all.force_insert(item.first, item.second);  // keeps their lines
+  for (const auto& [key, node] : more) all.force_insert(key, node.node_);
+  return YamlNode(all, file_, key_, line_);
+}
+
 std::vector<YamlNode> YamlNode::Items() const {
   if (!node_.IsSequence()) Fail(fmt::format("is {}; a list belongs here", Kind(node_)));
   std::vector<YamlNode> items;

@@ -34,6 +34,8 @@ class YamlNode {
   [[nodiscard]] Members Map(std::span<const std::string_view> allowed) const;
   /// The value as a map of whatever keys, none of them twice, at least one.
   [[nodiscard]] Members Entries() const;
+  /// This map with further members, where it stands. @pre IsMap()
+  [[nodiscard]] YamlNode With(std::span<const std::pair<std::string, YamlNode>> more) const;
   /// The values of a sequence.
   [[nodiscard]] std::vector<YamlNode> Items() const;
 

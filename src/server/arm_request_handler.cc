@@ -30,12 +30,12 @@ std::string_view EndText(MoveStatus end) noexcept {
 }  // namespace
 
 ArmRequestHandler::ArmRequestHandler(robot::ThreadedRobot& robot, UdpPort& port,
-                                     std::span<const std::byte> model_library,
-                                     const std::function<void()>& on_client, const TellPeople& tell)
+                                     const ServerConfig& config, const TellPeople& tell)
     : robot_(robot),
       port_(port),
-      model_library_(model_library),
-      on_client_(on_client),
+      config_(config),
+      robot_model_(config.robot_model + std::string(robot.is_answer_paced() ? fci::kLockstepComment
+                                                                            : fci::kTwinComment)),
       tell_(tell) {}
 
 void ArmRequestHandler::OnRobotChanged() {
@@ -47,11 +47,13 @@ bool ArmRequestHandler::IsReady() {
 }
 
 void ArmRequestHandler::OnConnect(Connection& client) {
-  if (on_client_) on_client_();
+  if (config_.on_arm_client) config_.on_arm_client();
   client_ = client.peer();
   dropped_before_ = port_.dropped();
   fci::ArmService& service = *this;
-  session_.emplace(service, [&client](std::span<const std::byte> bytes) { client.Send(bytes); });
+  session_.emplace(
+      service, [&client](std::span<const std::byte> bytes) { client.Send(bytes); },
+      config_.protocol);
 }
 
 std::optional<std::string> ArmRequestHandler::OnFrame(const fci::Frame& frame) {
@@ -92,7 +94,9 @@ MoveStatus ArmRequestHandler::Move(const fci::Move& move) {
     TellRefused("Move", "a maximum deviation is negative or not finite");
     return MoveStatus::kInvalidArgumentRejected;
   }
-  const MoveStatus status = robot_.Move(move.modes);
+  MotionModes modes = move.modes;
+  if (move.asynchronous) modes.asynchronous = move.maximum_velocity;
+  const MoveStatus status = robot_.Move(modes);
   switch (status) {
     case MoveStatus::kMotionStarted:
       in_motion_ = true;
@@ -101,7 +105,10 @@ MoveStatus ArmRequestHandler::Move(const fci::Move& move) {
                         Name(move.modes.controller)));
       break;
     case MoveStatus::kInvalidArgumentRejected:
-      TellRefused("Move", "there is no such motion generator or controller");
+      TellRefused("Move", move.asynchronous
+                              ? "an asynchronous motion is one of joint positions without an "
+                                "external controller, with velocities above 0"
+                              : "there is no such motion generator or controller");
       break;
     case MoveStatus::kStartAtSingularPoseRejected:
       TellRefused("Move", "cannot start at singular pose");
@@ -148,7 +155,7 @@ SetterStatus ArmRequestHandler::CartesianLimitOf(std::int32_t id, fci::Cartesian
 std::span<const std::byte> ArmRequestHandler::ModelLibrary(const fci::LoadModelLibrary& machine) {
   const bool is_ours = machine.architecture == fci::Architecture::kX64 &&
                        machine.system == fci::OperatingSystem::kLinux;
-  if (is_ours && !model_library_.empty()) return model_library_;
+  if (is_ours && !config_.model_library.empty()) return config_.model_library;
   TellRefused("Load Model Library",
               is_ours ? "no library was found" : "there is none but for x64 Linux");
   return {};

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -10,6 +9,7 @@
 #include "twin/fci/arm_session.h"
 #include "twin/robot/threaded_robot.h"
 #include "twin/server/request_handler.h"
+#include "twin/server/server.h"
 #include "twin/server/udp_port.h"
 
 namespace twin::server {
@@ -19,10 +19,9 @@ namespace twin::server {
 /// Threads: one.
 class ArmRequestHandler final : public RequestHandler, private fci::ArmService {
  public:
-  /// All arguments must outlive the handler. @param on_client  as ServerConfig::on_arm_client.
-  ArmRequestHandler(robot::ThreadedRobot& robot, UdpPort& port,
-                    std::span<const std::byte> model_library,
-                    const std::function<void()>& on_client, const TellPeople& tell);
+  /// All arguments must outlive the handler.
+  ArmRequestHandler(robot::ThreadedRobot& robot, UdpPort& port, const ServerConfig& config,
+                    const TellPeople& tell);
 
   /// The robot's mode or errors have changed. @throws RobotFault.
   void OnRobotChanged();
@@ -41,6 +40,7 @@ class ArmRequestHandler final : public RequestHandler, private fci::ArmService {
   [[nodiscard]] SetterStatus Configure(const Setting& setting) override;
   [[nodiscard]] RecoveryStatus Recover() override;
   [[nodiscard]] SetterStatus CartesianLimitOf(std::int32_t id, fci::CartesianLimit& limit) override;
+  [[nodiscard]] std::string_view RobotModel() override { return robot_model_; }
   [[nodiscard]] std::span<const std::byte> ModelLibrary(
       const fci::LoadModelLibrary& machine) override;
   [[nodiscard]] fci::ArmProgress Progress() override;
@@ -55,8 +55,8 @@ class ArmRequestHandler final : public RequestHandler, private fci::ArmService {
 
   robot::ThreadedRobot& robot_;
   UdpPort& port_;
-  const std::span<const std::byte> model_library_;
-  const std::function<void()>& on_client_;
+  const ServerConfig& config_;
+  const std::string robot_model_;  ///< the URDF, with what says that this is a twin
   const TellPeople& tell_;
 
   std::optional<fci::ArmSession> session_;

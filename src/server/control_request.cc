@@ -89,7 +89,8 @@ std::vector<std::string_view> NeededOf(Takes takes) {
 }
 
 std::uint64_t CheckedCycles(std::optional<std::uint64_t> cycles) {
-  if (cycles && *cycles >= 1 && *cycles <= ControlRequest::kMostCycles) return *cycles;
+  const std::uint64_t count = cycles.value_or(0);
+  if (count >= 1 && count <= ControlRequest::kMostCycles) return count;
   throw InputError(fmt::format("step: the number of cycles must be an integer in [1, {}]",
                                ControlRequest::kMostCycles));
 }

@@ -1,9 +1,8 @@
 #include "server/hand_request_handler.h"
 
-#include <algorithm>
-#include <span>
-
 #include <fmt/format.h>
+
+#include "twin/fci/hand_state_id.h"
 
 namespace twin::server {
 namespace {
@@ -16,13 +15,20 @@ constexpr Duration kStatePeriod = std::chrono::milliseconds(10);
 HandRequestHandler::HandRequestHandler(robot::ThreadedRobot& robot, const MonotonicClock& clock,
                                        std::uint32_t address, const TellPeople& tell,
                                        fci::Capture* capture)
-    : robot_(robot), clock_(clock), tell_(tell), capture_(capture), socket_(clock, {address, 0}) {}
+    : robot_(robot),
+      clock_(clock),
+      tell_(tell),
+      capture_(capture),
+      socket_(clock, {address, 0}),
+      device_(robot.hand_device()) {}
 
 void HandRequestHandler::OnConnect(Connection& client) {
   client_ = client.peer();
   connected_ = false;
+  last_id_.reset();
   fci::HandService& service = *this;
-  session_.emplace(service, [&client](std::span<const std::byte> bytes) { client.Send(bytes); });
+  session_.emplace(
+      service, [&client](std::span<const std::byte> bytes) { client.Send(bytes); }, device_);
 }
 
 std::optional<std::string> HandRequestHandler::OnFrame(const fci::Frame& frame) {
@@ -50,18 +56,29 @@ Duration HandRequestHandler::poll_timeout() const {
 void HandRequestHandler::SendState() {
   HandState state = robot_.hand_state();
   // The hand's time may stand still, but the client must see rising ids.
-  last_id_ = std::max(state.message_id, last_id_ + 1);
-  state.message_id = last_id_;
-  fci::Encode(state, outgoing_);
+  if (last_id_ && !fci::IsNewer(state.message_id, *last_id_)) state.message_id = *last_id_ + 1;
+  last_id_ = state.message_id;
+  const std::span<const std::byte> datagram = Encoded(state);
   // A datagram that the system does not take is lost, as on the wire.
   const fci::Endpoint to{client_.address, *session_->udp_port()};
-  static_cast<void>(socket_.Send(outgoing_, to));
+  static_cast<void>(socket_.Send(datagram, to));
   if (capture_ == nullptr) return;
   capture_->Put({.at = clock_.Now(),
                  .transport = record::Transport::kUdp,
                  .from = socket_.local(),
                  .to = to,
-                 .bytes = outgoing_});
+                 .bytes = datagram});
+}
+
+std::span<const std::byte> HandRequestHandler::Encoded(const HandState& state) {
+  if (device_ == HandDevice::kFrankaHand) {
+    fci::Encode(state, outgoing_);
+    return outgoing_;
+  }
+  VacuumState pump = state.pump.value();
+  pump.message_id = state.message_id;
+  fci::Encode(pump, outgoing_vacuum_);
+  return outgoing_vacuum_;
 }
 
 HandStart HandRequestHandler::Start(const HandCommand& command) {

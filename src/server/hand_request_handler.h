@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "twin/core/clock.h"
@@ -14,7 +16,8 @@
 
 namespace twin::server {
 
-/// Serves the hand's client: its session, the hand, and its states every 10 ms.
+/// Serves the client of the hand or vacuum gripper: its session, the device, and its states every
+/// 10 ms.
 ///
 /// Threads: one.
 class HandRequestHandler final : public RequestHandler, private fci::HandService {
@@ -36,19 +39,23 @@ class HandRequestHandler final : public RequestHandler, private fci::HandService
   [[nodiscard]] HandStart Start(const HandCommand& command) override;
   [[nodiscard]] std::optional<HandResult> Outcome(HandTicket ticket) override;
   void SendState();
+  /// @returns the datagram.
+  [[nodiscard]] std::span<const std::byte> Encoded(const HandState& state);
 
   robot::ThreadedRobot& robot_;
   const MonotonicClock& clock_;
   const TellPeople& tell_;
   fci::Capture* capture_;
   fci::UdpSocket socket_;
+  const HandDevice device_;
   fci::HandStateBytes outgoing_{};
+  fci::VacuumStateBytes outgoing_vacuum_{};
 
   std::optional<fci::HandSession> session_;
   fci::Endpoint client_;
   bool connected_ = false;
   Time next_state_{};
-  std::uint32_t last_id_ = 0;
+  std::optional<std::uint32_t> last_id_;  ///< of the states that the client was sent
 };
 
 }  // namespace twin::server

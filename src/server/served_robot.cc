@@ -33,10 +33,11 @@ rt::ThreadSettings ThreadOf(const ServedRobotSettings& settings) {
 class ServedRobot::Impl {
  public:
   Impl(const robot::RobotConfig& config, robot::MadePlant plant, ServedRobotSettings settings)
-      : port_(clock_, settings.server.address, changed_),
+      : port_(clock_, settings.server.address, changed_, fci::Protocol{config.protocol}),
         plant_name_(std::move(plant.name)),
         engine_(plant.engine),
         limits_(config.onboard.limits) {
+    settings.server.protocol = fci::Protocol{config.protocol};
     port_.KeepIn(settings.server.capture);
     const rt::ThreadSettings thread = ThreadOf(settings);
     if (settings.lockstep) {

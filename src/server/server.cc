@@ -30,9 +30,10 @@ class Server::Impl {
         clock_(clock),
         tell_(std::move(tell)),
         changed_(changed),
-        arm_desk_(robot, port, config_.model_library, config_.on_arm_client, tell_),
+        arm_desk_(robot, port, config_, tell_),
         arm_(SettingsOf(config_, fci::HeadKind::kArm, clock), arm_desk_, tell_) {
     if (!robot.has_hand()) return;
+    config_.hand_port = config_.hand_port.value_or(fci::PortOf(robot.hand_device()));
     hand_desk_.emplace(robot, clock, config_.address, tell_, config_.capture);
     hand_.emplace(SettingsOf(config_, fci::HeadKind::kHand, clock), *hand_desk_, tell_);
   }
@@ -78,7 +79,7 @@ class Server::Impl {
     }
   }
 
-  const ServerConfig config_;
+  ServerConfig config_;
   const MonotonicClock& clock_;
   const TellPeople tell_;
   WakeEvent& changed_;

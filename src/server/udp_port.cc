@@ -16,8 +16,9 @@ void CountOne(std::atomic<std::uint64_t>& count) noexcept {
 
 }  // namespace
 
-UdpPort::UdpPort(const MonotonicClock& clock, std::uint32_t address, WakeEvent& changed)
-    : clock_(clock), socket_(clock, {address, 0}), changed_(changed) {}
+UdpPort::UdpPort(const MonotonicClock& clock, std::uint32_t address, WakeEvent& changed,
+                 fci::Protocol protocol)
+    : clock_(clock), socket_(clock, {address, 0}), changed_(changed), protocol_(protocol) {}
 
 // Relaxed: the number publishes no other data.
 void UdpPort::OnConnect(const fci::Endpoint& client) noexcept {
@@ -54,8 +55,8 @@ bool UdpPort::Accept(const fci::Datagram& datagram, RobotCommand& command) noexc
     CountOne(foreign_);
     return false;
   }
-  const bool fits = datagram.bytes.size() == fci::kCommandBytes;
-  if (!fits || fci::Decode(datagram.bytes, command) != fci::DatagramFault::kNone) {
+  const bool fits = datagram.bytes.size() == fci::CommandBytesOf(protocol_);
+  if (!fits || fci::Decode(protocol_, datagram.bytes, command) != fci::DatagramFault::kNone) {
     CountOne(malformed_);
     return false;
   }
@@ -70,13 +71,13 @@ void UdpPort::Deliver(const RobotState& state) noexcept {
   newest_id_ = state.message_id;
   const std::uint64_t client = client_.load(std::memory_order_relaxed);
   if (client != 0) {
-    fci::Encode(state, outgoing_);
+    const std::span<const std::byte> bytes = fci::Encode(protocol_, state, outgoing_);
     const fci::Endpoint to{static_cast<std::uint32_t>(client >> 16),
                            static_cast<std::uint16_t>(client)};
     // Captured before sending, because the answer may arrive before the next line. A datagram that
     // the system does not take is lost, as on the wire.
-    if (capture_ != nullptr) Keep(clock_.Now(), socket_.local(), to, outgoing_);
-    static_cast<void>(socket_.Send(outgoing_, to));
+    if (capture_ != nullptr) Keep(clock_.Now(), socket_.local(), to, bytes);
+    static_cast<void>(socket_.Send(bytes, to));
   }
   const bool is_same = state.robot_mode == mode_ && state.motion_generator_mode == generator_ &&
                        state.errors == errors_;

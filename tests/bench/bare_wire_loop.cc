@@ -136,7 +136,8 @@ int main(int argc, char** argv) {
   Wire wire;
   using twin::fci::ArmRequest;
   Send(tcp, twin::fci::EncodeRequest(
-                0, ArmRequest(twin::fci::Connect{twin::fci::kArmVersion, wire.port()})));
+                0, ArmRequest(twin::fci::Connect{twin::fci::VersionOf(twin::fci::Protocol::k5),
+                                                 wire.port()})));
   if (Status(tcp, kConnectAnswerBytes) != 0) Fail("Connect was refused");
   Send(tcp, twin::fci::EncodeRequest(1, ArmRequest(twin::fci::Move())));
   if (Status(tcp, kMoveAnswerBytes) != 1) Fail("Move was refused");

@@ -4,28 +4,17 @@
 In their places stand scripts of a folder that PATH begins with.
 """
 
-import os
 import pathlib
-import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 import unittest
 
+from stand_ins import StandInsTest
+
 PROGRAM, SOURCE = "", pathlib.Path()
 
-SCENARIO = """name: short
-motion:
-  trajectory:
-    unit: rad
-    duration: 0.5 s
-    waypoints:
-      - {q: [0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]}
-      - {q: [0.02, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]}
-render: {width: 64, height: 48, fps: 25 Hz}
-"""
 TAKES_ALL_AND_HANGS = "cat > /dev/null; sleep 1000"
 TAKES_NOTHING = "sleep 1000"
 WRITES_NOTHING = "cat > /dev/null"
@@ -39,21 +28,15 @@ def runs(process):
         return False
 
 
-class ChildProgramsTest(unittest.TestCase):
+class ChildProgramsTest(StandInsTest):
     def setUp(self):
-        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="panda_twin_children_"))
-        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
-        self.out, self.started = self.folder / "out", self.folder / "started"
-        self.environment = dict(os.environ, PATH=f"{self.folder}:{os.environ['PATH']}",
-                                XDG_CACHE_HOME=str(self.folder / "cache"))
+        super().setUp()
+        self.started = self.folder / "started"
 
     def start(self, program, does):
         """A run that finds a `program` that tells its process and `does`."""
-        stand_in = self.folder / program
-        stand_in.write_text(f"#!/bin/sh\necho $$ > {self.started}.new\nmv {self.started}.new {self.started}\n{does}\n")
-        stand_in.chmod(0o755)
-        (self.folder / "scenario.yaml").write_text(SCENARIO)
-        run = subprocess.Popen([PROGRAM, "run", self.folder / "scenario.yaml", "--out", self.out, "--quiet", "--data",
+        self.stand_in(program, f"echo $$ > {self.started}.new\nmv {self.started}.new {self.started}\n{does}")
+        run = subprocess.Popen([PROGRAM, "run", self.scenario("0.5 s"), "--out", self.out, "--quiet", "--data",
                                 SOURCE / "models"], env=self.environment, stderr=subprocess.PIPE, text=True)
         self.addCleanup(run.stderr.close)
         self.addCleanup(run.wait)

@@ -24,7 +24,7 @@ NEAR_BY = {"torque": 1e-2, "wrong_load": 5e-3, "plan_and_execute": 1e-2, "cartes
 OF_POSES = {"cartesian", "compliance", "cartesian_pose"}
 
 # Examples at whose end the hand holds something.
-GRASPS = {"grasp"}
+GRASPS = {"grasp", "vacuum"}
 
 # Examples whose motion is planned: they touch nothing.
 PLANNED = {"plan_and_execute"}

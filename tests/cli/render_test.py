@@ -101,6 +101,18 @@ class RenderTest(unittest.TestCase):
         self.assertEqual((done.returncode, done.stderr), (0, ""), "its scenes are in the log")
         self.assertEqual(size_of_png(self.folder / "served.png"), (64, 48))
 
+    def test_several_robots_are_drawn_together_from_their_logs(self):
+        text = (SOURCE / "models/cells/two_arms.yaml").read_text().replace("render:", "render:\n  width: 160\n  height: 120\n  fps: 10 Hz")
+        self.run_in(self.write("two_arms.yaml", text), "two_arms")
+        video = frames_of(self.folder / "two_arms/video.mp4")
+        self.assertGreater(len(video), 15)
+        self.assertEqual(frames_of(self.rendered("two_arms_again.mp4", "two_arms")), video)
+        # One of them alone is in its own log; more is seen where both are.
+        one = self.rendered("one.png", "two_arms/left", "--at", "1", "--size", "160x120").read_bytes()
+        both = self.rendered("both.png", "two_arms", "--at", "1", "--size", "160x120").read_bytes()
+        self.assertNotEqual(one, both)
+        self.refused("several robots", "two_arms", "task", "--out", "no.mp4")
+
     def test_a_log_that_was_cut_off_is_drawn_as_far_as_it_goes(self):
         whole = (self.folder / "task/run.mcap").read_bytes()
         (self.folder / "cut.mcap").write_bytes(whole[:len(whole) // 2])

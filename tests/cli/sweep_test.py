@@ -162,7 +162,9 @@ class SharingTest(SweepTest):
     def test_an_interrupt_leaves_whole_files_and_the_rest_to_do(self):
         self.write(SWEEP.replace("seeds: 4", "seeds: 2000"))
         child = subprocess.Popen(self.command("run", "-q"), stderr=subprocess.PIPE, text=True)
-        time.sleep(1.5)
+        deadline = time.monotonic() + 60
+        while not self.results() and time.monotonic() < deadline:
+            time.sleep(0.05)
         child.send_signal(signal.SIGINT)
         self.assertIn("interrupted", child.communicate(timeout=30)[1])
         self.assertEqual(child.returncode, 130)

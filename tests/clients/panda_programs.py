@@ -10,6 +10,7 @@ import sys
 import panda_failures  # noqa: F401
 import panda_interfaces  # noqa: F401
 import panda_motions  # noqa: F401
+import panda_vacuum  # noqa: F401
 from panda_common import PROGRAMS
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ import sys
 import tempfile
 import unittest
 
-from twin_server import TwinServer
+from twin_server import HAND_PORT, VACUUM_PORT, TwinServer
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 
@@ -47,12 +47,12 @@ def run_client(server, name, timeout=120):
 
 
 class PandaPythonTest(unittest.TestCase):
-    def run_program(self, name, *options, meant=()):
+    def run_program(self, name, *options, meant=(), hand_port=HAND_PORT):
         """What the program saw, of a server of its own. meant: what ends its motion on purpose, of LAPSE and JUMP."""
         spoilt_by = {sign: cycles for sign, cycles in (witness.ENDS_A_MOTION | witness.JUMPS).items() if sign not in meant}
 
         def attempt():
-            with TwinServer(PROGRAM, SOURCE, DRIVE, *options) as server:
+            with TwinServer(PROGRAM, SOURCE, DRIVE, *options, hand_port=hand_port) as server:
                 facts, said = run_client(server, name)
             for sign in spoilt_by:
                 self.assertNotIn(sign, said)
@@ -136,6 +136,25 @@ class PandaPythonTest(unittest.TestCase):
         self.assertIs(facts["stop"], True)
         self.assertIs(facts["released"], True)
         self.assertIs(facts["grasped_after"], False)
+
+    def test_vacuum_gripper_fetches_the_box_and_drops_it(self):
+        facts = self.run_program("vacuum_box", HERE / "vacuum.yaml", hand_port=VACUUM_PORT)
+        self.assertEqual(facts["version"], 1)
+        nothing = {"present": False, "detached": False, "in_range": False, "status": "kGreen", "power": 0, "vacuum": 0}
+        self.assertEqual(facts["before"], nothing)
+        self.assertIs(facts["in_the_air"], False)
+        self.assertEqual(facts["after_air"], nothing | {"status": "kYellow"})
+        self.assertIs(facts["held"], True)
+        lifted = facts["lifted"]
+        self.assertEqual((lifted["present"], lifted["in_range"], lifted["detached"]), (True, True, False))
+        self.assertAlmostEqual(lifted["vacuum"], 600, delta=10)
+        self.assertAlmostEqual(facts["weight"], 0.5 * 9.81, delta=0.3)
+        self.assertIs(facts["dropped"], True)
+        self.assertEqual(facts["after_drop"], nothing | {"detached": True})
+        self.assertIs(facts["again_in_the_air"], False)
+        self.assertIs(facts["found"], True)
+        self.assertIs(facts["stopped"], True)
+        self.assertEqual(facts["at_the_end"], nothing | {"detached": True})
 
     def test_says_which_limit_a_jump_in_acceleration_broke(self):
         facts = self.run_program("jerk_too_large", meant=[JUMP])

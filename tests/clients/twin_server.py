@@ -1,6 +1,6 @@
 """A `panda-twin serve` of a test's own: on a loopback address that no other test uses, stopped when the test ends.
 
-libfranka's ports are fixed (1337 and 1338), its address is not: all of 127.0.0.0/8 is this machine.
+libfranka's ports are fixed (1337 to 1339), its address is not: all of 127.0.0.0/8 is this machine.
 """
 
 import itertools
@@ -11,7 +11,7 @@ import subprocess
 import tempfile
 import time
 
-ARM_PORT, HAND_PORT = 1337, 1338
+ARM_PORT, HAND_PORT, VACUUM_PORT = 1337, 1338, 1339
 GOOD_ENDS = (0, 130)  # the program's exit codes: done, interrupted
 _numbers = itertools.count()
 
@@ -36,8 +36,8 @@ def is_listening(address, port):
 class TwinServer:
     """with TwinServer(program, source, "lockstep", "--scene", "scenes/table_box.xml") as server: server.address"""
 
-    def __init__(self, program, source, drive, *options):
-        self.address = own_address()
+    def __init__(self, program, source, drive, *options, hand_port=HAND_PORT):
+        self.address, self.hand_port = own_address(), hand_port
         self.command = [program, "serve", "--bind", self.address, "--drive", drive,
                         "--data", pathlib.Path(source, "models"), *options]
 
@@ -45,7 +45,7 @@ class TwinServer:
         self.output = tempfile.TemporaryFile("w+")
         self.process = subprocess.Popen(self.command, stdout=self.output, stderr=subprocess.STDOUT)
         limit = time.monotonic() + 60
-        while not (is_listening(self.address, ARM_PORT) and is_listening(self.address, HAND_PORT)):
+        while not (is_listening(self.address, ARM_PORT) and is_listening(self.address, self.hand_port)):
             if self.process.poll() is not None or time.monotonic() > limit:
                 self._end(signal.SIGKILL)
                 raise RuntimeError(f"{self.command} does not serve:\n{self.said()}")

@@ -21,6 +21,11 @@ CATCHERS = [
 ]
 
 
+def path_of(file):
+    """Of a mutant's file, below the root."""
+    return file if "/" in file else "src/onboard/" + file
+
+
 def scaled(limits, factor):
     """C++ for the limits of all joints times a factor."""
     return f"[&] {{ JointVector v = {limits}; for (double& x : v) x *= {factor}; return v; }}()"
@@ -30,22 +35,25 @@ def scaled(limits, factor):
 MUTANTS = [
     *[(f"joint {what} limit {how}", "limit_monitor.cc", f"next.{value}, limits.{limit}",
        f"next.{value}, {scaled(f'limits.{limit}', factor)}")
-      for what, value, limit in [("velocity", "dq_d", "dq_max"), ("acceleration", "ddq_d", "ddq_max"),
-                                 ("jerk", "dddq_d", "dddq_max")]
+      for what, value, limit in [("acceleration", "ddq_d", "ddq_max"), ("jerk", "dddq_d", "dddq_max")]
       for how, factor in [("1 % wider", "1.01"), ("1 % narrower", "0.99"), ("without tolerance", "(1 - 1e-7)")]],
+    *[(f"joint velocity limit {how}", "limit_monitor.cc", "IsWithin(std::abs(dq), limit)",
+       f"IsWithin(std::abs(dq), limit * {factor})")
+      for how, factor in [("1 % wider", "1.01"), ("1 % narrower", "0.99"), ("without tolerance", "(1 - 1e-7)")]],
+    ("joint velocity limit of the position after the step", "limit_monitor.cc", "next.q_d[i] - dq * kCycleSeconds", "next.q_d[i]"),
     ("joint jerk unchecked", "limit_monitor.cc",
      "CheckJointMagnitudes(errors.jerk, next.dddq_d, limits.dddq_max, message_id, found);", ""),
     ("joint acceleration unchecked", "limit_monitor.cc",
      "CheckJointMagnitudes(errors.acceleration, next.ddq_d, limits.ddq_max, message_id, found);", ""),
     ("joint velocity unchecked", "limit_monitor.cc",
-     "CheckJointMagnitudes(errors.velocity, next.dq_d, limits.dq_max, message_id, found);", ""),
+     "CheckVelocities(errors.velocity, next, limits, message_id, found);", ""),
     ("joint position unchecked", "limit_monitor.cc",
      "CheckJointRanges(errors.position, next.q_d, limits.q_min, limits.q_max, message_id, found);", ""),
     ("lower position limit unchecked", "limit_monitor.cc", "next.q_d, limits.q_min,",
      f"next.q_d, {scaled('limits.q_min', 1000)},"),
     ("envelope reported beside discontinuity", "limit_monitor.cc",
-     "  if (!found.empty()) return found;\n  CheckJointMagnitudes(errors.velocity",
-     "  CheckJointMagnitudes(errors.velocity"),
+     "  if (!found.empty()) return found;\n  CheckVelocities(errors.velocity",
+     "  CheckVelocities(errors.velocity"),
     ("torque rate 1 % wider", "limit_monitor.cc",
      "rate[i] = (tau_d[i] - tau_J_d[i]) / kCycleSeconds", "rate[i] = 0.99 * (tau_d[i] - tau_J_d[i]) / kCycleSeconds"),
     ("a loss holds velocity, not acceleration", "joint_reference.cc",
@@ -54,7 +62,7 @@ MUTANTS = [
     ("21 losses for 20", "onboard_cycle.cc",
      "losses_.lost_in_row() >= config_.abort_after_lost", "losses_.lost_in_row() > config_.abort_after_lost"),
     ("a finished command unchecked", "onboard_cycle.cc",
-     "if (found.empty() && finishes) found = next.CheckStandingStill(message_id_ + 1);", ""),
+     "found = next.CheckStandingStill(message_id_ + 1);", ""),
     ("torque rate unchecked", "onboard_cycle.cc", "  found.Add(torque);", ""),
     ("what is measured unchecked", "onboard_cycle.cc",
      "sensing_.CheckMeasured(tau_J_d_, message_id_ + 1, IsCartesian(modes_.generator))", "Violations()"),
@@ -120,7 +128,7 @@ MUTANTS = [
      "collision[i] = IsAbove(values[i], upper[i]) ? 1 : 0;"),
     ("external wrench of the wrong sign", "external_wrench.cc",
      "const Column6 at_EE = share * inverse.Times(", "const Column6 at_EE = -share * inverse.Times("),
-    ("commands of any state count", "command_inbox.cc", "if (command.message_id != answered_id) {",
+    ("commands of any state count", "command_inbox.cc", "if (command.message_id < oldest_id || command.message_id > answered_id) {",
      "if (command.message_id > answered_id) {"),
     ("of several commands the oldest counts", "command_inbox.cc", "      chosen = &command;",
      "      if (chosen == nullptr) chosen = &command;"),
@@ -129,5 +137,5 @@ MUTANTS = [
 QUICK = ["joint acceleration limit 1 % wider", "a loss holds velocity, not acceleration", "elbow sign unchecked"]
 
 if __name__ == "__main__":
-    mutants.main(__doc__, "tests/conformance", CATCHERS, [(name, file if "/" in file else "src/onboard/" + file, *change) for name, file, *change in MUTANTS],
+    mutants.main(__doc__, "tests/conformance", CATCHERS, [(name, path_of(file), *change) for name, file, *change in MUTANTS],
                  QUICK)

@@ -20,9 +20,8 @@ void PrintTo(const Case& test_case, std::ostream* out) {
   *out << test_case.row.cause << " / " << test_case.row.neighbour;
 }
 
-std::vector<Case> Cases() {
+std::vector<Case> CasesOf(const std::vector<ErrorRow>& table) {
   std::vector<Case> cases;
-  const std::vector<ErrorRow> table = ErrorTable();
   for (const HarnessCase& harness : Harnesses()) {
     for (std::size_t i = 0; i < table.size(); ++i) {
       if (table[i].plant != harness.plant_kind) continue;
@@ -40,7 +39,10 @@ TEST_P(ErrorTableTest, IsRaisedByItsCauseAndByNothingBesideIt) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Rows, ErrorTableTest, ::testing::ValuesIn(Cases()),
+INSTANTIATE_TEST_SUITE_P(Rows, ErrorTableTest, ::testing::ValuesIn(CasesOf(ErrorTable())),
+                         [](const auto& info) { return info.param.name; });
+INSTANTIATE_TEST_SUITE_P(Fr3Rows, ErrorTableTest,
+                         ::testing::ValuesIn(CasesOf(CommandErrorTable(Fr3Arm()))),
                          [](const auto& info) { return info.param.name; });
 
 TEST(ErrorTableCoverageTest, HasARowForEveryErrorAMotionCanRaise) {

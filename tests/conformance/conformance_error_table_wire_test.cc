@@ -28,11 +28,11 @@
 #include <gtest/gtest.h>
 
 #include "conformance/error_table.h"
+#include "conformance/motion_course.h"
 #include "contract/backend_harness.h"
 #include "contract/served_harness.h"
 #include "support/undisturbed.h"
 #include "twin/faults/loss_model.h"
-#include "twin/fci/datagrams.h"
 
 namespace twin::test::conformance_error_table_wire_test {
 namespace {
@@ -45,64 +45,14 @@ Way WayOf(const ErrorRow& row) {
   return row.axis == 0 ? Way::kSilent : Way::kLostByTheLink;
 }
 
-/// What a stream showed of its motion.
-struct Course {
-  /// From the first that is not Idle to the first that does not show Move.
-  std::vector<RobotState> states;
-  /// The state before the first, or before the last, was not read: outside a motion's commands
-  /// nobody waits for who reads.
-  bool missed_begin = false;
-  bool missed_end = false;
+/// What a stream showed of its motion, and what came after.
+struct Course : MotionCourse {
   std::string refusal;
   std::optional<backend::MotionEnd> end;
   RobotErrors errors;     ///< as the backend tells them
-  bool is_over = false;   ///< the last state shows another mode than Move
   bool recovers = false;  ///< tried of a motion that is over, unless the row's cause persists
   bool is_clear = false;  ///< recovery has left no error
 };
-
-/// Notes every state that is read.
-class NotingHarness final : public BackendHarness {
- public:
-  NotingHarness(std::unique_ptr<BackendHarness> harness, std::vector<RobotState>& states)
-      : harness_(std::move(harness)), states_(states) {}
-
-  backend::Backend& backend() override { return harness_->backend(); }
-  bool AwaitState(RobotState& state, backend::ReadRule rule) override {
-    if (!harness_->AwaitState(state, rule)) return false;
-    states_.push_back(state);
-    return true;
-  }
-  bool AwaitArrivals(int count) override { return harness_->AwaitArrivals(count); }
-
- private:
-  std::unique_ptr<BackendHarness> harness_;
-  std::vector<RobotState>& states_;
-};
-
-bool ShowsMove(const RobotState& state) {
-  return state.robot_mode == RobotMode::kMove;
-}
-
-/// Leaves of all states those of the motion.
-void KeepMotion(std::vector<RobotState> all, Course& course) {
-  const auto first = std::ranges::find_if_not(all, [](const RobotState& state) {
-    return state.robot_mode == RobotMode::kIdle;  // a motion may end in the cycle it begins in
-  });
-  auto last = std::find_if_not(first, all.end(), ShowsMove);
-  course.is_over = last != all.end();
-  const auto follows = [](const RobotState& a, const RobotState& b) {
-    return b.message_id == a.message_id + 1;
-  };
-  if (first != all.begin() && first != all.end()) {
-    course.missed_begin = !follows(*(first - 1), *first);
-  }
-  if (course.is_over) {
-    course.missed_end = last != all.begin() && !follows(*(last - 1), *last);
-    ++last;
-  }
-  course.states.assign(first, last);
-}
 
 using MakeHarness = std::function<std::unique_ptr<BackendHarness>(const robot::RobotConfig& robot)>;
 
@@ -114,7 +64,7 @@ Course Run(const ErrorRow& row, const MakeHarness& make, double x) {
   Trial trial(rig, row.modes);
   row.stream(trial, x);
   Course course;
-  KeepMotion(all, course);
+  static_cast<MotionCourse&>(course) = CourseOf(all);
   course.refusal = rig.refusal();
   if (!course.is_over) return course;
   const backend::Description told = rig.Describe();
@@ -154,28 +104,12 @@ ErrorRow LostByTheLink(ErrorRow row) {
   return row;
 }
 
-/// All of a state but its id.
-std::vector<std::byte> ContentOf(const RobotState& state) {
-  fci::StateBytes bytes{};
-  fci::Encode(state, bytes);
-  return {bytes.begin() + sizeof state.message_id, bytes.end()};
-}
-
-/// Of a motion's states, where a client has not commanded yet: those from the start to the first
-/// that can have been answered.
-constexpr std::size_t kUncommanded = 2;
-
 /// @param later  cycles.
 void ExpectSame(const Course& here, const Course& there, robot::PlantKind plant,
                 std::size_t later) {
   ASSERT_EQ(there.states.size(), here.states.size() + later) << there.refusal;
   if (plant != robot::PlantKind::kIdeal) return;
-  const std::size_t seen = here.states.size() - (there.missed_end ? 1 : 0);
-  for (std::size_t i = kUncommanded; i < seen; ++i) {
-    const RobotState& a = here.states[i];
-    const RobotState& b = there.states[i];
-    ASSERT_EQ(ContentOf(a) == ContentOf(b), true) << "state " << i << " of the motion";
-  }
+  EXPECT_EQ(FindDifference(here, there), std::nullopt);
 }
 
 struct Case {

@@ -1,8 +1,8 @@
+#include <algorithm>
 #include <cmath>
 
 #include "conformance/error_table.h"
 #include "conformance/pose_math.h"
-#include "support/panda_limits.h"
 
 // Rows of errors that commands raise.
 
@@ -52,6 +52,25 @@ struct MotionErrors {
 
 using PathOf = std::function<Path(const RobotState&)>;
 
+/// Largest velocity limit in rows about joints, rad/s: a joint reaches it with any arm's
+/// acceleration, before a limit that depends on the position is smaller.
+constexpr double kMostSpeed = 2.61;
+/// The same of rows in which EE turns with the joint, which stays within EE's own limit.
+constexpr double kMostTurn = 2.175;
+
+void CapTurns(robot::RobotConfig& robot, double) {
+  for (double& dq : robot.onboard.limits.dq_max) dq = std::min(dq, kMostTurn);
+}
+void CapSpeeds(robot::RobotConfig& robot, double) {
+  for (double& dq : robot.onboard.limits.dq_max) dq = std::min(dq, kMostSpeed);
+}
+
+/// So that a position limit is reached: a velocity limit that depends on the position would be
+/// broken before.
+void LevelSpeeds(robot::RobotConfig& robot) {
+  robot.onboard.limits.deceleration = JointVector{};
+}
+
 /// Three rows: the velocity, the acceleration, the jerk of the way goes to its bound.
 void AddMotionRows(std::vector<ErrorRow>& rows, Mode mode, bool with_elbow,
                    const MotionErrors& errors, const std::string& what, int axis,
@@ -98,8 +117,7 @@ void AddStartRow(std::vector<ErrorRow>& rows, RobotError error, Mode mode, bool 
   rows.push_back(row);
 }
 
-CartesianLimits Lowered() {
-  CartesianLimits limits = PandaCartesianLimits();
+CartesianLimits Lowered(CartesianLimits limits) {
   for (CartesianBound* bound : {&limits.translation, &limits.rotation, &limits.elbow}) {
     bound->dp_max *= kLowered;
     bound->ddp_max *= kLowered;
@@ -109,11 +127,45 @@ CartesianLimits Lowered() {
 }
 
 void LowerCartesianLimits(robot::RobotConfig& robot, double) {
-  robot.onboard.cartesian = Lowered();
+  robot.onboard.cartesian = Lowered(robot.onboard.cartesian);
 }
 
 Bounds BoundsOf(const CartesianBound& bound) {
   return {bound.dp_max, bound.ddp_max, bound.dddp_max};
+}
+
+/// A joint goes towards the ends of its range at a velocity that is allowed up to a point on the
+/// way.
+void AddEndRows(std::vector<ErrorRow>& rows, Mode mode, std::size_t joint,
+                const JointLimits& limits) {
+  constexpr double kSpeed = 0.1;  // rad/s
+  constexpr double kWay = 0.05;   // rad, to the point
+  constexpr int kCycles = 300;    // until the speed is reached
+  const double braking = kSpeed + limits.velocity_offset[joint];
+  const double distance = braking * braking / (2 * limits.deceleration[joint]);
+  for (const double side : {1.0, -1.0}) {
+    ErrorRow row =
+        Row(RobotError::kJointMotionGeneratorVelocityLimitsViolation, mode,
+            "joint " + std::to_string(joint + 1) + " goes on towards its " +
+                (side > 0 ? "upper" : "lower") + " end 1 mrad beyond where its velocity is allowed",
+            "it goes to 1 mrad before");
+    row.axis = static_cast<int>(joint);
+    row.outside = kWay + 1e-3;
+    row.inside = kWay - 1e-3;
+    const double end = side > 0 ? limits.q_max[joint] : limits.q_min[joint];
+    row.prepare = [=](robot::RobotConfig& robot, double) {
+      // Shoulder and upper arm would fold the arm onto itself.
+      if (joint == 1 || joint == 2) robot.q_start = {0, -0.3, 0, -0.9, 0, 1.6, 0.8};
+      robot.q_start[joint] = end - side * (distance + kWay);
+    };
+    row.stream = [=](Trial& trial, double x) {
+      const double held = x - kSpeed * kCycles * 1e-3 / 2;
+      if (trial.Start(AlongJoint(joint), false)) {
+        trial.SpeedUp(side * kSpeed, kCycles, static_cast<int>(held / (kSpeed * 1e-3)));
+      }
+    };
+    rows.push_back(row);
+  }
 }
 
 void AddFrameRow(std::vector<ErrorRow>& rows) {
@@ -164,6 +216,7 @@ void AddElbowRows(std::vector<ErrorRow>& rows, Mode mode) {
   limit.axis = 2;
   limit.limit = kNear;
   limit.prepare = [](robot::RobotConfig& robot, double) {
+    LevelSpeeds(robot);
     robot.onboard.limits.q_max[2] = kNear;  // the arm starts with joint 3 at zero
   };
   limit.stream = [](Trial& trial, double x) {
@@ -174,8 +227,8 @@ void AddElbowRows(std::vector<ErrorRow>& rows, Mode mode) {
 
 }  // namespace
 
-std::vector<ErrorRow> JointErrorRows() {
-  const JointLimits limits = PandaLimits();
+std::vector<ErrorRow> JointErrorRows(const ArmLimits& arm) {
+  const JointLimits& limits = arm.joints;
   constexpr MotionErrors kErrors{RobotError::kJointMotionGeneratorVelocityLimitsViolation,
                                  RobotError::kJointMotionGeneratorVelocityDiscontinuity,
                                  RobotError::kJointMotionGeneratorAccelerationDiscontinuity};
@@ -186,8 +239,10 @@ std::vector<ErrorRow> JointErrorRows() {
     for (std::size_t joint = 0; joint < kJoints; ++joint) {
       AddMotionRows(rows, mode, false, kErrors, "joint " + std::to_string(joint + 1) + "'s",
                     static_cast<int>(joint),
-                    {limits.dq_max[joint], limits.ddq_max[joint], limits.dddq_max[joint]},
-                    AlongJoint(joint), {});
+                    {std::min(limits.dq_max[joint], kMostSpeed), limits.ddq_max[joint],
+                     limits.dddq_max[joint]},
+                    AlongJoint(joint), CapSpeeds);
+      if (limits.deceleration[joint] > 0) AddEndRows(rows, mode, joint, limits);
     }
     for (const double side : {1.0, -1.0}) {
       ErrorRow row = Row(RobotError::kJointMotionGeneratorPositionLimitsViolation, mode,
@@ -199,6 +254,7 @@ std::vector<ErrorRow> JointErrorRows() {
       row.outside = kNear + 1e-6;
       row.inside = kNear - 1e-6;
       row.prepare = [side](robot::RobotConfig& robot, double) {
+        LevelSpeeds(robot);
         robot.q_start[6] = side * (robot.onboard.limits.q_max[6] - kNear);
       };
       row.stream = [side](Trial& trial, double x) {
@@ -210,8 +266,8 @@ std::vector<ErrorRow> JointErrorRows() {
   return rows;
 }
 
-std::vector<ErrorRow> CartesianErrorRows() {
-  const CartesianLimits limits = Lowered();
+std::vector<ErrorRow> CartesianErrorRows(const ArmLimits& arm) {
+  const CartesianLimits limits = Lowered(arm.cartesian);
   constexpr MotionErrors kErrors{RobotError::kCartesianMotionGeneratorVelocityLimitsViolation,
                                  RobotError::kCartesianMotionGeneratorVelocityDiscontinuity,
                                  RobotError::kCartesianMotionGeneratorAccelerationDiscontinuity};
@@ -237,8 +293,8 @@ std::vector<ErrorRow> CartesianErrorRows() {
   return rows;
 }
 
-std::vector<ErrorRow> CompletionErrorRows() {
-  const JointLimits limits = PandaLimits();
+std::vector<ErrorRow> CompletionErrorRows(const ArmLimits& arm) {
+  const JointLimits& limits = arm.joints;
   constexpr int kJoint = 1;
   constexpr MotionErrors kErrors{
       RobotError::kCartesianMotionGeneratorJointVelocityLimitsViolation,
@@ -249,8 +305,9 @@ std::vector<ErrorRow> CompletionErrorRows() {
     for (const Mode mode : kCartesianModes) {
       AddMotionRows(rows, mode, with_elbow, kErrors,
                     "EE turns about the axis of joint 2: that joint's", kJoint,
-                    {limits.dq_max[kJoint], limits.ddq_max[kJoint], limits.dddq_max[kJoint]},
-                    AlongJoint(kJoint), {});
+                    {std::min(limits.dq_max[kJoint], kMostTurn), limits.ddq_max[kJoint],
+                     limits.dddq_max[kJoint]},
+                    AlongJoint(kJoint), CapTurns);
       ErrorRow row = Row(RobotError::kCartesianMotionGeneratorJointPositionLimitsViolation, mode,
                          "EE turns about the axis of joint 2 to 1e-6 rad beyond its limit",
                          "to 1e-6 rad before it");
@@ -259,6 +316,7 @@ std::vector<ErrorRow> CompletionErrorRows() {
       row.outside = kNear + 1e-6;
       row.inside = kNear - 1e-6;
       row.prepare = [](robot::RobotConfig& robot, double) {
+        LevelSpeeds(robot);
         robot.onboard.limits.q_max[kJoint] = robot.q_start[kJoint] + kNear;
       };
       row.stream = [with_elbow](Trial& trial, double x) {
@@ -270,7 +328,7 @@ std::vector<ErrorRow> CompletionErrorRows() {
   return rows;
 }
 
-std::vector<ErrorRow> CommonErrorRows() {
+std::vector<ErrorRow> CommonErrorRows(const ArmLimits& arm) {
   std::vector<ErrorRow> rows;
   for (const Mode mode : {Mode::kJointPosition, Mode::kJointVelocity, Mode::kCartesianPosition,
                           Mode::kCartesianVelocity}) {
@@ -300,7 +358,7 @@ std::vector<ErrorRow> CommonErrorRows() {
                           "a torque changes at 0.1 % above 1000 Nm/s", "at 0.1 % below");
     torque.modes.controller = ControllerMode::kExternalController;
     torque.axis = 4;
-    torque.limit = PandaLimits().dtau_max[4];
+    torque.limit = arm.joints.dtau_max[4];
     torque.stream = [](Trial& trial, double x) {
       if (!trial.Start(AlongJoint(1), false)) return;
       trial.Stay(1, [x](RobotCommand& command) { command.tau_J_d[4] += x; });

@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include <fmt/format.h>
+
+#include "support/panda_limits.h"
+#include "twin/scenario/robot_data.h"
 
 namespace twin::test {
 namespace {
@@ -23,6 +27,8 @@ class RowRun {
  private:
   static robot::RobotConfig Prepared(const ErrorRow& row, double x) {
     robot::RobotConfig robot = HarnessRobot(row.plant);
+    robot.onboard.limits = row.arm.joints;
+    robot.onboard.cartesian = row.arm.cartesian;
     if (row.prepare) row.prepare(robot, x);
     return robot;
   }
@@ -128,11 +134,30 @@ std::string NameOf(const ErrorRow& row, std::size_t index) {
   return name;
 }
 
-std::vector<ErrorRow> ErrorTable() {
+ArmLimits PandaArm() {
+  return {PandaLimits(), PandaCartesianLimits()};
+}
+
+ArmLimits Fr3Arm() {
+  const std::filesystem::path file = TWIN_SOURCE_DIR "/models/robots/fr3/limits.yaml";
+  return {scenario::LoadJointLimits(file), scenario::LoadCartesianLimits(file)};
+}
+
+std::vector<ErrorRow> CommandErrorTable(const ArmLimits& arm) {
   std::vector<ErrorRow> table;
-  for (const auto& part : {CommonErrorRows(), JointErrorRows(), CartesianErrorRows(),
-                           CompletionErrorRows(), MeasuredErrorRows()}) {
+  for (const auto& part : {CommonErrorRows(arm), JointErrorRows(arm), CartesianErrorRows(arm),
+                           CompletionErrorRows(arm)}) {
     table.insert(table.end(), part.begin(), part.end());
+  }
+  for (ErrorRow& row : table) row.arm = arm;
+  return table;
+}
+
+std::vector<ErrorRow> ErrorTable() {
+  std::vector<ErrorRow> table = CommandErrorTable(PandaArm());
+  for (const ErrorRow& row : MeasuredErrorRows()) {
+    table.push_back(row);
+    table.back().arm = PandaArm();
   }
   std::stable_sort(table.begin(), table.end(),
                    [](const ErrorRow& a, const ErrorRow& b) { return a.error < b.error; });

@@ -5,11 +5,21 @@
 #include <vector>
 
 #include "conformance/trial.h"
+#include "twin/core/limits.h"
 #include "twin/core/modes.h"
 #include "twin/core/robot_errors.h"
 #include "twin/robot/robot_config.h"
 
 namespace twin::test {
+
+/// Whose limits a table is about.
+struct ArmLimits {
+  JointLimits joints;
+  CartesianLimits cartesian;
+};
+[[nodiscard]] ArmLimits PandaArm();
+/// An FR3: from models/robots/fr3.
+[[nodiscard]] ArmLimits Fr3Arm();
 
 /// One way to provoke an error through the backend, and the stream beside it that is still good.
 struct ErrorRow {
@@ -23,6 +33,7 @@ struct ErrorRow {
   /// the row says otherwise.
   double outside = 1.001;
   double inside = 0.999;
+  ArmLimits arm;  ///< the robot's; set by the tables
   std::function<void(robot::RobotConfig& robot, double x)> prepare;  ///< may be empty
   /// Starts the motion and commands it. After the good stream the robot must still show Move.
   std::function<void(Trial& trial, double x)> stream;
@@ -33,14 +44,16 @@ struct ErrorRow {
 };
 
 /// Every error that a motion of the Franka Control Interface can raise here, for every motion
-/// generator it applies to.
+/// generator it applies to, on a Panda.
 [[nodiscard]] std::vector<ErrorRow> ErrorTable();
+/// Those of them that commands raise, with an arm's limits.
+[[nodiscard]] std::vector<ErrorRow> CommandErrorTable(const ArmLimits& arm);
 
 /// Parts of it, by what the errors look at.
-[[nodiscard]] std::vector<ErrorRow> JointErrorRows();
-[[nodiscard]] std::vector<ErrorRow> CartesianErrorRows();
-[[nodiscard]] std::vector<ErrorRow> CompletionErrorRows();
-[[nodiscard]] std::vector<ErrorRow> CommonErrorRows();
+[[nodiscard]] std::vector<ErrorRow> JointErrorRows(const ArmLimits& arm);
+[[nodiscard]] std::vector<ErrorRow> CartesianErrorRows(const ArmLimits& arm);
+[[nodiscard]] std::vector<ErrorRow> CompletionErrorRows(const ArmLimits& arm);
+[[nodiscard]] std::vector<ErrorRow> CommonErrorRows(const ArmLimits& arm);
 [[nodiscard]] std::vector<ErrorRow> MeasuredErrorRows();
 
 /// What came of a row: every claim that does not hold, as a text; empty: all hold.

@@ -37,7 +37,8 @@ HarnessCase IdealHarness() {
 }
 
 void Report(const StreamPlan& plan, const HarnessCase& harness, const std::string& finding) {
-  const StreamPlan shrunk = Shrink(plan, harness);
+  const StreamPlan shrunk = Shrink(
+      plan, [&](const StreamPlan& less) { return RunStream(less, harness).finding.has_value(); });
   const Finding last = RunStream(shrunk, harness).finding;
   fmt::print("stream {} breaks a rule: {}\nthe same, shrunk: {}\n{}\n", plan.seed, finding,
              last.value_or("?"), Describe(shrunk));

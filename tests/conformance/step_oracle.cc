@@ -1,5 +1,6 @@
 #include "conformance/step_oracle.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "conformance/pose_math.h"
@@ -85,6 +86,23 @@ Quantity Norms(RobotError error, const Vector6& twist, double elbow, const Vecto
   return quantity;
 }
 
+/// The velocities that a joint may have before the step: an FR3's shrink towards the ends.
+Quantity VelocityRange(RobotError error, const JointMotion& step, const JointLimits& limits,
+                       double noise) {
+  Quantity range{error, kJoints, step.dq, {}, {}, noise};
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const double q = step.q[i] - kT * step.dq[i];
+    const auto most = [&](double distance) {
+      if (limits.deceleration[i] == 0) return limits.dq_max[i];
+      const double braking = distance > 0 ? std::sqrt(2 * limits.deceleration[i] * distance) : 0;
+      return std::min(limits.dq_max[i], std::max(0.0, braking - limits.velocity_offset[i]));
+    };
+    range.low[i] = -most(q - limits.q_min[i]);
+    range.high[i] = most(limits.q_max[i] - q);
+  }
+  return range;
+}
+
 Verdict JudgeMotion(const JointMotion& step, const JointLimits& limits,
                     const std::array<RobotError, 4>& errors, double q_noise) {
   Verdict discontinuity;
@@ -93,8 +111,7 @@ Verdict JudgeMotion(const JointMotion& step, const JointLimits& limits,
   discontinuity.Examine(
       Magnitudes(errors[3], step.dddq, limits.dddq_max, kJerkNoise + 8 * q_noise / (kT * kT * kT)));
   Verdict envelope;
-  envelope.Examine(
-      Magnitudes(errors[1], step.dq, limits.dq_max, kVelocityNoise + 2 * q_noise / kT));
+  envelope.Examine(VelocityRange(errors[1], step, limits, kVelocityNoise + 2 * q_noise / kT));
   envelope.Examine({errors[0], kJoints, step.q, limits.q_min, limits.q_max, q_noise});
   discontinuity.Then(envelope);
   return discontinuity;

@@ -25,8 +25,8 @@ double& ValueOf(RobotCommand& command, MotionGeneratorMode mode, std::size_t axi
 /// One stream on its way.
 class Run {
  public:
-  Run(const StreamPlan& plan, const HarnessCase& harness)
-      : plan_(plan), rig_(harness.make(plan.robot), plan.robot, true) {}
+  Run(const StreamPlan& plan, const HarnessCase& harness, bool checked)
+      : plan_(plan), rig_(harness.make(plan.robot), plan.robot, checked) {}
 
   StreamResult Go() {
     Prepare();
@@ -209,19 +209,15 @@ class Run {
   StreamResult result_;
 };
 
-bool StillFails(const StreamPlan& plan, const HarnessCase& harness) {
-  return RunStream(plan, harness).finding.has_value();
-}
-
 }  // namespace
 
-StreamResult RunStream(const StreamPlan& plan, const HarnessCase& harness) {
-  return Run(plan, harness).Go();
+StreamResult RunStream(const StreamPlan& plan, const HarnessCase& harness, bool checked) {
+  return Run(plan, harness, checked).Go();
 }
 
-StreamPlan Shrink(StreamPlan plan, const HarnessCase& harness) {
+StreamPlan Shrink(StreamPlan plan, const std::function<bool(const StreamPlan&)>& fails) {
   const auto keep_if_failing = [&](const StreamPlan& less) {
-    if (StillFails(less, harness)) plan = less;
+    if (fails(less)) plan = less;
   };
   for (std::size_t i = plan.disturbances.size(); i-- > 0;) {
     StreamPlan less = plan;

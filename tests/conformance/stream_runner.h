@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "conformance/reference_rules.h"
@@ -19,10 +20,13 @@ struct StreamResult {
   std::uint64_t cycles = 0;
 };
 
-/// Runs a stream against a robot on the ideal plant, with a checker watching.
-[[nodiscard]] StreamResult RunStream(const StreamPlan& plan, const HarnessCase& harness);
+/// Runs a stream against a robot on the ideal plant. @param checked  with a checker watching, which
+/// must see every cycle.
+[[nodiscard]] StreamResult RunStream(const StreamPlan& plan, const HarnessCase& harness,
+                                     bool checked = true);
 
-/// Takes away from a stream that breaks a rule what is not needed for it.
-[[nodiscard]] StreamPlan Shrink(StreamPlan plan, const HarnessCase& harness);
+/// Takes away from a stream that fails what is not needed for it.
+[[nodiscard]] StreamPlan Shrink(StreamPlan plan,
+                                const std::function<bool(const StreamPlan&)>& fails);
 
 }  // namespace twin::test

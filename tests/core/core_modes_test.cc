@@ -34,6 +34,7 @@ TEST(MotionGeneratorModeTest, HasTheWireValuesOfTheState) {
   EXPECT_EQ(static_cast<int>(MotionGeneratorMode::kJointVelocity), 2);
   EXPECT_EQ(static_cast<int>(MotionGeneratorMode::kCartesianPosition), 3);
   EXPECT_EQ(static_cast<int>(MotionGeneratorMode::kCartesianVelocity), 4);
+  EXPECT_EQ(static_cast<int>(MotionGeneratorMode::kNone), 5);
 }
 
 TEST(ControllerModeTest, HasTheWireValuesOfTheState) {
@@ -54,7 +55,7 @@ void ExpectNamesAreDistinctUpTo(int count) {
 
 TEST(ModeNameTest, EveryModeHasANameOfItsOwnAndNoOtherValueHasOne) {
   ExpectNamesAreDistinctUpTo<RobotMode>(7);
-  ExpectNamesAreDistinctUpTo<MotionGeneratorMode>(5);
+  ExpectNamesAreDistinctUpTo<MotionGeneratorMode>(6);
   ExpectNamesAreDistinctUpTo<ControllerMode>(4);
 }
 

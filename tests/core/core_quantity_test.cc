@@ -27,6 +27,7 @@ TEST(QuantityTest, ConvertsToTheBaseUnit) {
   EXPECT_EQ(ParseQuantity("13 m/s^2", Dimension::kAcceleration), 13);
   EXPECT_EQ(ParseQuantity("6500 m/s^3", Dimension::kJerk), 6500);
   EXPECT_EQ(ParseQuantity("0.2 kg m^2", Dimension::kInertia), 0.2);
+  EXPECT_EQ(ParseQuantity("600 mbar", Dimension::kPressure), 60e3);
 }
 
 TEST(QuantityTest, NeedsNoBlankBeforeTheUnit) {

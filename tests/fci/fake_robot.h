@@ -39,6 +39,8 @@ class FakeRobot {
 
   [[nodiscard]] std::uint16_t port() const { return listener_.local().port; }
 
+  /// Of the hand's kind, and speaks this version.
+  void Speaks(std::uint16_t version) { hand_version_ = version; }
   /// Instead of agreeing: the version it tells.
   void OnlySpeaks(std::uint16_t version) { version_ = version; }
 
@@ -107,7 +109,7 @@ class FakeRobot {
 
   std::vector<std::byte> Agree(const fci::Frame& frame) {
     const bool arm = kind_ == fci::HeadKind::kArm;
-    const std::uint16_t own = arm ? fci::kArmVersion : fci::kHandVersion;
+    const std::uint16_t own = arm ? fci::VersionOf(fci::Protocol::k5) : hand_version_.load();
     const std::uint16_t version = version_ == 0 ? own : version_.load();
     const fci::ConnectStatus status = version == own
                                           ? fci::ConnectStatus::kSuccess
@@ -128,6 +130,7 @@ class FakeRobot {
   fci::TcpListener listener_{fci::Endpoint{kHere, 0}};
   fci::UdpSocket udp_{clock_, fci::Endpoint{kHere, 0}};
   std::atomic<std::uint16_t> version_ = 0;  ///< 0: the right one
+  std::atomic<std::uint16_t> hand_version_ = fci::kHandVersion;
   std::atomic<std::uint16_t> udp_port_ = 0;
   std::atomic<Ending> ending_ = Ending::kNone;
   std::jthread thread_;

@@ -104,7 +104,8 @@ TEST_F(ArmClientTest, NamesBothVersionsAndTheCureWhenTheyDiffer) {
   EXPECT_THAT(refusal(4),
               AllOf(HasSubstr("version 4"), HasSubstr("version 5"), HasSubstr("update the robot")));
   EXPECT_THAT(refusal(10),
-              AllOf(HasSubstr("version 10"), HasSubstr("version 5"), HasSubstr("later robot")));
+              AllOf(HasSubstr("version 10"), HasSubstr("version 5"), HasSubstr("model: fr3")));
+  EXPECT_THAT(refusal(9), AllOf(HasSubstr("version 9"), HasSubstr("libfranka 0.18")));
 }
 
 TEST_F(ArmClientTest, SaysThatNobodyListens) {

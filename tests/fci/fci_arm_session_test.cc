@@ -48,6 +48,7 @@ class FakeArm final : public ArmService {
     limit.object_world_size[0] = id;
     return SetterStatus::kSuccess;
   }
+  std::string_view RobotModel() override { return "<robot/>"; }
   std::span<const std::byte> ModelLibrary(const LoadModelLibrary&) override { return library; }
   ArmProgress Progress() override { return progress; }
 

@@ -91,8 +91,8 @@ TEST_F(ClientCaptureTest, HoldsWhatTheArmsClientSendsAndReceivesByteForByte) {
             (std::vector<Bytes>{{received.begin(), received.end()}, {sent.begin(), sent.end()}}));
   ASSERT_EQ(tcp.size(), 4u);
   EXPECT_EQ(tcp[0].second.size(), 16u);
-  EXPECT_EQ(tcp[1],
-            std::pair(false, EncodeArmConnectAnswer(0, ConnectStatus::kSuccess, kArmVersion)));
+  EXPECT_EQ(tcp[1], std::pair(false, EncodeArmConnectAnswer(0, ConnectStatus::kSuccess,
+                                                            VersionOf(Protocol::k5))));
   EXPECT_EQ(tcp[2], std::pair(true, EncodeRequest(1, ArmRequest(StopMove{}))));
   EXPECT_EQ(tcp[3], std::pair(false, EncodeArmAnswer(ArmCommand::kStopMove, 1, 0)));
 }

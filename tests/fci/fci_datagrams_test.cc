@@ -78,12 +78,21 @@ Table TableOf(const HandState& s) {
   return table;
 }
 
+Table TableOf(const VacuumState& s) {
+  Table table;
+  table.Row("message_id", 0, s.message_id).Row("in_control_range", 4, s.in_control_range);
+  table.Row("part_detached", 5, s.part_detached).Row("part_present", 6, s.part_present);
+  table.Row("device_status", 7, s.device_status).Row("actual_power", 8, s.actual_power);
+  table.Row("vacuum", 12, s.vacuum);
+  return table;
+}
+
 template <typename Datagram>
 Bytes Pack(const Datagram& datagram) {
   return TableOf(datagram).packer.bytes();
 }
 
-/// How to make and to encode each of the three.
+/// How to make and to encode each of the four.
 struct StateKind {
   using Value = RobotState;
   using Encoded = StateBytes;
@@ -104,6 +113,13 @@ struct HandKind {
   static constexpr std::size_t kSize = 23;
   static const auto& Fields() { return kHandStateFields; }
   static Value Make(RandomMessages& random) { return random.Hand(); }
+};
+struct VacuumKind {
+  using Value = VacuumState;
+  using Encoded = VacuumStateBytes;
+  static constexpr std::size_t kSize = 16;
+  static const auto& Fields() { return kVacuumStateFields; }
+  static Value Make(RandomMessages& random) { return random.Vacuum(); }
 };
 
 template <typename Kind>
@@ -128,7 +144,7 @@ class DatagramTest : public testing::Test {
     return fault;
   }
 };
-using Kinds = testing::Types<StateKind, CommandKind, HandKind>;
+using Kinds = testing::Types<StateKind, CommandKind, HandKind, VacuumKind>;
 TYPED_TEST_SUITE(DatagramTest, Kinds);
 
 TYPED_TEST(DatagramTest, HasEveryFieldAtItsPlace) {
@@ -140,8 +156,10 @@ TYPED_TEST(DatagramTest, HasEveryFieldAtItsPlace) {
 
 TYPED_TEST(DatagramTest, NamesAndPlacesItsFieldsAsPublished) {
   std::vector<std::pair<std::string, std::size_t>> rows;
-  std::apply([&](const auto&... field) { (rows.emplace_back(field.name, field.offset), ...); },
-             TypeParam::Fields());
+  const auto add = [&](const auto& field) {
+    if (field.offset != kAbsent) rows.emplace_back(field.name, field.offset);
+  };
+  std::apply([&](const auto&... field) { (add(field), ...); }, TypeParam::Fields());
   EXPECT_EQ(rows, TableOf(this->Sample(1)).rows);
 }
 
@@ -193,6 +211,7 @@ TYPED_TEST(DatagramTest, IsForRealTime) {
 using StateDatagramTest = DatagramTest<StateKind>;
 using CommandDatagramTest = DatagramTest<CommandKind>;
 using HandStateDatagramTest = DatagramTest<HandKind>;
+using VacuumStateDatagramTest = DatagramTest<VacuumKind>;
 
 TEST_F(StateDatagramTest, HasNoModesButThoseThatExist) {
   const std::pair<std::size_t, int> modes[] = {{2280, 4}, {2281, 3}, {2364, 6}};
@@ -284,6 +303,21 @@ TEST_F(HandStateDatagramTest, HasNoFlagButZeroAndOne) {
     Bytes bytes = Pack(Sample(1));
     bytes[20] = static_cast<std::byte>(flag);
     ASSERT_EQ(DecodeInto(bytes, value), flag <= 1 ? DatagramFault::kNone : DatagramFault::kBool);
+  }
+}
+
+TEST_F(VacuumStateDatagramTest, HasNoFlagsButZeroAndOneAndNoStatusBeyondRed) {
+  auto value = Sample(2);
+  for (int byte = 0; byte < 256; ++byte) {
+    for (const std::size_t offset : {4, 5, 6, 7}) {
+      Bytes bytes = Pack(Sample(1));
+      bytes[offset] = static_cast<std::byte>(byte);
+      const bool is_status = offset == 7;
+      const auto wrong = is_status ? DatagramFault::kEnum : DatagramFault::kBool;
+      ASSERT_EQ(DecodeInto(bytes, value),
+                byte <= (is_status ? 3 : 1) ? DatagramFault::kNone : wrong)
+          << "byte " << offset << ", value " << byte;
+    }
   }
 }
 

@@ -75,6 +75,14 @@ TEST(FciFuzzTest, HandRequestsSurviveMutations) {
   FeedMutations(fuzz::HandRequests, {InPieces(256, stream), InPieces(3, stream)}, 2);
 }
 
+TEST(FciFuzzTest, VacuumRequestsSurviveMutations) {
+  Bytes stream;
+  const HandRequest requests[] = {Connect{1, 1}, HandCommand(hand::Vacuum()),
+                                  HandCommand(hand::DropOff()), HandCommand(hand::Stop())};
+  for (const HandRequest& request : requests) Append(stream, EncodeVacuumRequest(3, request));
+  FeedMutations(fuzz::VacuumRequests, {InPieces(256, stream), InPieces(3, stream)}, 8);
+}
+
 TEST(FciFuzzTest, ArmAnswersSurviveMutations) {
   std::vector<Bytes> all;
   const auto add = [&all](ArmCommand asked, const Bytes& answer) {
@@ -109,12 +117,16 @@ TEST(FciFuzzTest, DatagramsSurviveMutations) {
   HandStateBytes hand;
   Encode(random.Hand(), hand);
   FeedMutations(fuzz::HandStateDatagram, {ToBytes(hand)}, 7);
+  VacuumStateBytes vacuum;
+  Encode(random.Vacuum(), vacuum);
+  FeedMutations(fuzz::VacuumStateDatagram, {ToBytes(vacuum)}, 9);
 }
 
 TEST(FciFuzzTest, NothingIsSurvivedToo) {
   for (const fuzz::Target target :
        {fuzz::ArmRequests, fuzz::HandRequests, fuzz::ArmAnswers, fuzz::HandAnswers,
-        fuzz::StateDatagram, fuzz::CommandDatagram, fuzz::HandStateDatagram}) {
+        fuzz::StateDatagram, fuzz::CommandDatagram, fuzz::HandStateDatagram, fuzz::VacuumRequests,
+        fuzz::VacuumStateDatagram}) {
     target({});
   }
 }

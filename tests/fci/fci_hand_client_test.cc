@@ -84,6 +84,29 @@ TEST_F(HandClientTest, TellsHowACommandEnded) {
   }
 }
 
+TEST_F(HandClientTest, SpeaksToAVacuumGripperByItsNumbersAndReadsItsStates) {
+  std::vector<std::uint32_t> asked;
+  hand_.emplace(HeadKind::kHand, [&asked](FakeRobot&, const Frame& request) {
+    asked.push_back(request.head.command);
+    return AnswerOf(request, HandResult::kUnsuccessful);
+  });
+  hand_->Speaks(1);
+  client_.emplace("127.0.0.1", hand_->port(), ClientTimeout(), nullptr, HandDevice::kCobotPump);
+  VacuumStateBytes bytes{};
+  Encode(VacuumState{.message_id = 7, .part_present = true, .vacuum = 612}, bytes);
+  hand_->SendDatagram(bytes, nullptr);
+  const HandState state = client_->State();
+  ASSERT_TRUE(state.pump);
+  EXPECT_EQ(state.pump->vacuum, 612);
+  EXPECT_EQ(state.message_id, 7u);
+  EXPECT_TRUE(state.is_grasped);
+  EXPECT_EQ(AwaitOutcome(client_->Start(hand::Vacuum{.vacuum = 60, .timeout_ms = 100})),
+            HandResult::kUnsuccessful);
+  EXPECT_EQ(AwaitOutcome(client_->Start(hand::DropOff{100})), HandResult::kUnsuccessful);
+  EXPECT_EQ(AwaitOutcome(client_->Start(hand::Stop())), HandResult::kUnsuccessful);
+  EXPECT_EQ(asked, (std::vector<std::uint32_t>{1, 2, 3}));
+}
+
 TEST_F(HandClientTest, DoesNotWaitForACommandToEnd) {
   Connect(Nothing);
   const HandTicket ticket = client_->Start(hand::Homing{});
@@ -126,6 +149,19 @@ TEST_F(HandClientTest, TellsTheNewestState) {
   SendState(40, 0.05);
   SendState(30, 0.01);
   for (int i = 0; i < 10'000 && client_->State().message_id < 40; ++i) {
+    rt::Pause(std::chrono::milliseconds(1));
+  }
+  rt::Pause(std::chrono::milliseconds(20));
+  EXPECT_EQ(client_->State().width, 0.05);
+}
+
+TEST_F(HandClientTest, TellsTheNewestStateWhenIdsBeginAnew) {
+  Connect(Nothing);
+  SendState(std::numeric_limits<std::uint32_t>::max(), 0.04);
+  EXPECT_EQ(client_->State().width, 0.04);
+  SendState(3, 0.05);
+  SendState(std::numeric_limits<std::uint32_t>::max() - 5, 0.01);
+  for (int i = 0; i < 10'000 && client_->State().message_id != 3; ++i) {
     rt::Pause(std::chrono::milliseconds(1));
   }
   rt::Pause(std::chrono::milliseconds(20));

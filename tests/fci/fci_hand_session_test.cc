@@ -65,13 +65,19 @@ constexpr int kStop = 4;
 
 class HandSessionTest : public ::testing::Test {
  protected:
-  HandSessionTest()
-      : session_(hand_, [this](std::span<const std::byte> bytes) {
-          frames_.emplace_back(bytes.begin(), bytes.end());
-        }) {}
+  explicit HandSessionTest(HandDevice device = HandDevice::kFrankaHand)
+      : device_(device),
+        session_(
+            hand_,
+            [this](std::span<const std::byte> bytes) {
+              frames_.emplace_back(bytes.begin(), bytes.end());
+            },
+            device) {}
 
   std::optional<std::string> Ask(std::uint32_t id, const HandRequest& request) {
-    const std::vector<std::byte> frame = EncodeRequest(id, request);
+    const std::vector<std::byte> frame = device_ == HandDevice::kCobotPump
+                                             ? EncodeVacuumRequest(id, request)
+                                             : EncodeRequest(id, request);
     FrameReader reader(HeadKind::kHand, 4096);
     std::ranges::copy(frame, reader.Room().begin());
     reader.Received(frame.size());
@@ -91,6 +97,7 @@ class HandSessionTest : public ::testing::Test {
     return seen;
   }
 
+  const HandDevice device_;
   FakeHand hand_;
   std::vector<std::vector<std::byte>> frames_;
   HandSession session_;
@@ -173,6 +180,40 @@ TEST_F(HandSessionTest, ACommandAbortsTheOneBeforeIt) {
   hand_.End(HandResult::kUnsuccessful);
   session_.OnProgress();
   EXPECT_THAT(TakeSeen(), ElementsAre(Seen{kGrasp, 2, 2}));
+}
+
+class VacuumSessionTest : public HandSessionTest {
+ protected:
+  VacuumSessionTest() : HandSessionTest(HandDevice::kCobotPump) {}
+};
+
+TEST_F(VacuumSessionTest, SpeaksVersionOneOnly) {
+  EXPECT_NE(Ask(0, Connect{3, 43210}), std::nullopt);
+  ASSERT_EQ(frames_.size(), 1u);
+  EXPECT_EQ(std::to_integer<int>(frames_[0][10]), 1);
+  EXPECT_EQ(std::to_integer<int>(frames_[0][12]), 1);
+  frames_.clear();
+  EXPECT_EQ(Ask(0, Connect{1, 43210}), std::nullopt);
+  EXPECT_EQ(session_.udp_port(), 43210);
+  ASSERT_EQ(frames_[0].size(), 14u);
+  EXPECT_EQ(std::to_integer<int>(frames_[0][10]), 0);
+}
+
+TEST_F(VacuumSessionTest, AnswersWithItsOwnNumbersWhenTheActionIsOver) {
+  EXPECT_EQ(Ask(1, HandCommand(hand::DropOff{})), "Drop Off before Connect");
+  ASSERT_EQ(Ask(0, Connect{1, 43210}), std::nullopt);
+  frames_.clear();
+  const hand::Vacuum vacuum{.vacuum = 60, .profile = 2, .timeout_ms = 700};
+  EXPECT_EQ(Ask(1, HandCommand(vacuum)), std::nullopt);
+  ASSERT_EQ(hand_.started.size(), 1u);
+  EXPECT_EQ(hand_.started[0], HandCommand(vacuum));
+  EXPECT_THAT(TakeSeen(), IsEmpty());
+  hand_.End(HandResult::kUnsuccessful);
+  session_.OnProgress();
+  EXPECT_THAT(TakeSeen(), ElementsAre(Seen{1, 1, 2}));
+  EXPECT_EQ(Ask(2, HandCommand(hand::DropOff{300})), std::nullopt);
+  EXPECT_EQ(Ask(3, HandCommand(hand::Stop{})), std::nullopt);
+  EXPECT_THAT(TakeSeen(), ElementsAre(Seen{2, 2, 3}, Seen{3, 3, 0}));
 }
 
 TEST_F(HandSessionTest, FiguresReachTheHand) {

@@ -310,6 +310,52 @@ TEST(HandRequestTest, IsRefusedWithACommandThatDoesNotExist) {
   }
 }
 
+std::vector<HandExample> VacuumExamples(std::uint64_t seed) {
+  RandomMessages random(seed);
+  std::uint32_t id = 0;
+  Connect connect;
+  hand::Vacuum v;
+  hand::DropOff d;
+  random.Fill(id, connect.version, connect.udp_port, v.vacuum, v.profile, v.timeout_ms,
+              d.timeout_ms);
+  BytePacker vacuum = HandHead(1, id, 10).Put(v.vacuum).Put(v.profile).Put(v.timeout_ms);
+  return {
+      {"Connect", connect, HandHead(0, id, 4).Put(connect.version).Put(connect.udp_port).bytes()},
+      {"Vacuum", HandCommand(v), vacuum.bytes()},
+      {"Drop Off", HandCommand(d), HandHead(2, id, 8).Put(d.timeout_ms).bytes()},
+      {"Stop", HandCommand(hand::Stop()), HandHead(3, id, 0).bytes()},
+  };
+}
+
+TEST(VacuumRequestTest, IsEncodedAsPublishedAndComesBackAsItWas) {
+  for (std::uint64_t seed = 0; seed < 50; ++seed) {
+    for (const HandExample& one : VacuumExamples(seed)) {
+      const Frame frame = FrameOf(HeadKind::kHand, one.frame);
+      const std::uint32_t id = frame.head.command_id;
+      ASSERT_EQ(EncodeVacuumRequest(id, one.request), one.frame) << one.name << ", seed " << seed;
+      const auto request = Take<HandRequest>(ParseVacuumRequest(frame));
+      ASSERT_EQ(EncodeVacuumRequest(id, request), one.frame) << one.name << ", seed " << seed;
+    }
+  }
+}
+
+TEST(VacuumRequestTest, IsRefusedWithAnySizeButItsOwnAndWithAnUnknownCommand) {
+  for (const HandExample& one : VacuumExamples(1)) {
+    const Frame whole = FrameOf(HeadKind::kHand, one.frame);
+    for (std::size_t size = 0; size < 30; ++size) {
+      if (size == whole.payload.size()) continue;
+      Bytes payload = ToBytes(whole.payload);
+      payload.resize(size);
+      const Frame bare = BareFrame(whole.head.command, payload);
+      ASSERT_THAT(WhatIsBad(ParseVacuumRequest(bare)), HasSubstr(one.name));
+    }
+  }
+  for (const std::uint32_t command : {4U, 5U, 255U, 65535U, 0xFFFFFFFFU}) {
+    EXPECT_THAT(WhatIsBad(ParseVacuumRequest(BareFrame(command, {}))),
+                HasSubstr("none of the vacuum gripper's, which are 0 to 3"));
+  }
+}
+
 TEST(RequestNameTest, IsWhatClientsPrint) {
   for (const ArmExample& one : ArmExamples(1)) {
     const auto command = FrameOf(HeadKind::kArm, one.frame).head.command;
@@ -322,7 +368,12 @@ TEST(RequestNameTest, IsWhatClientsPrint) {
     const auto command = FrameOf(HeadKind::kHand, one.frame).head.command;
     EXPECT_EQ(Name(static_cast<HandCommandId>(command)), one.name);
   }
-  EXPECT_EQ(Name(static_cast<ArmCommand>(kArmCommands)), "unknown");
+  for (const HandExample& one : VacuumExamples(1)) {
+    const auto command = FrameOf(HeadKind::kHand, one.frame).head.command;
+    EXPECT_EQ(Name(static_cast<VacuumCommandId>(command)), one.name);
+  }
+  EXPECT_EQ(Name(static_cast<VacuumCommandId>(kVacuumCommands)), "unknown");
+  EXPECT_EQ(Name(static_cast<ArmCommand>(kArmCommands + 1)), "unknown");
   EXPECT_EQ(Name(static_cast<HandCommandId>(kHandCommands)), "unknown");
 }
 

@@ -188,7 +188,7 @@ TEST_F(TcpStreamTest, CanBeEndedTwice) {
   server_.ResetConnection();
   server_.Close();
   std::size_t count = 0;
-  std::array<std::byte, 1> room;
+  std::array<std::byte, 1> room{};
   EXPECT_EQ(client_.Receive(room, count), StreamResult::kReset);
   EXPECT_EQ(client_.Send(room, count), StreamResult::kReset);
 }

@@ -107,6 +107,24 @@ TEST(TranscriptTest, TellsTheHand) {
               EndsWith("hand state 5: 0.03 m, holds an object\n"));
 }
 
+TEST(TranscriptTest, TellsTheVacuumGripper) {
+  constexpr record::PacketEnd kVacuum{.address = 0x7f000001, .port = 1339};
+  Transcript transcript({});
+  const auto suck = EncodeVacuumRequest(
+      3, HandRequest(HandCommand(hand::Vacuum{.vacuum = 60, .profile = 1, .timeout_ms = 500})));
+  EXPECT_THAT(transcript.Take(Stream(suck, kClient, kVacuum)),
+              EndsWith("request 3: Vacuum\n    vacuum = 60\n    profile = 1\n"
+                       "    timeout_ms = 500\n"));
+  const auto answer = EncodeHandAnswer(HandCommandId{1}, 3, HandResult::kUnsuccessful);
+  EXPECT_THAT(transcript.Take(Stream(answer, kVacuum, kClient)),
+              EndsWith("answer 3: Vacuum\n    status = unsuccessful\n"));
+  VacuumStateBytes bytes;
+  Encode(VacuumState{.message_id = 5, .part_present = true, .vacuum = 600}, bytes);
+  const std::string text = transcript.Take({.from = kVacuum, .to = kClient, .bytes = bytes});
+  EXPECT_THAT(text, HasSubstr("vacuum state 5: 600 mbar, holds an object\n"));
+  EXPECT_THAT(text, HasSubstr("    device_status = green\n"));
+}
+
 TEST(TranscriptTest, SaysWhatIsWrongWithBytesThatAreNone) {
   Transcript transcript({});
   StateBytes state;

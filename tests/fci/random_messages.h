@@ -49,14 +49,26 @@ class RandomMessages {
     return s;
   }
 
+  [[nodiscard]] VacuumState Vacuum() {
+    VacuumState s;
+    Fill(s.message_id, s.in_control_range, s.part_detached, s.part_present, s.actual_power,
+         s.vacuum);
+    s.device_status = static_cast<PumpStatus>(Below(4));
+    return s;
+  }
+
  private:
   std::uint32_t Bits() { return random_.Bits(next_++)[0]; }
 
   void FillOne(double& value) { value = 100 * random_.Normal(next_++); }
   void FillOne(bool& value) { value = Bits() % 2 == 1; }
+  void FillOne(std::uint8_t& value) { value = static_cast<std::uint8_t>(Bits()); }
   void FillOne(std::uint16_t& value) { value = static_cast<std::uint16_t>(Bits()); }
   void FillOne(std::uint32_t& value) { value = Bits(); }
   void FillOne(std::int32_t& value) { value = static_cast<std::int32_t>(Bits()); }
+  void FillOne(std::int64_t& value) {
+    value = static_cast<std::int64_t>(std::uint64_t{Bits()} << 32 | Bits());
+  }
   void FillOne(std::uint64_t& value) { value = std::uint64_t{Bits()} << 32 | Bits(); }
   void FillOne(RobotErrors& errors) {
     for (std::size_t i = 0; i < kRobotErrorCount; ++i) errors.set(i, Bits() % 2 == 1);

@@ -1,6 +1,7 @@
 #include "fuzz/fci_targets.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -53,14 +54,18 @@ bool IsLossy(const HandRequest& /*request*/) {
   return false;
 }
 
-template <typename Request>
-void CheckRequest(const Frame& frame, const std::variant<Request, BadFrame>& parsed) {
+constexpr std::array kProtocols{Protocol::k5, Protocol::k10};
+
+/// @param encode  writes a frame of an id and a request.
+template <typename Request, typename Encode>
+void CheckRequest(const Frame& frame, const std::variant<Request, BadFrame>& parsed,
+                  const Encode& encode) {
   if (const auto* bad = std::get_if<BadFrame>(&parsed)) {
     TWIN_CHECK(!bad->what.empty());
     return;
   }
   const Request& request = std::get<Request>(parsed);
-  const auto written = EncodeRequest(frame.head.command_id, request);
+  const auto written = encode(frame.head.command_id, request);
   TWIN_CHECK(written.size() == frame.head.size);
   TWIN_CHECK(IsLossy(request) ||
              std::equal(frame.payload.begin(), frame.payload.end(),
@@ -94,25 +99,63 @@ void CheckDatagrams(Bytes data, const Datagram& datagram) {
   CheckDatagram<Encoded>(whole, datagram);
 }
 
+/// A datagram of protocol 10: what is taken, is written and taken again as it was. Bits of a NaN
+/// may differ, and so may which of two flags ends a motion.
+template <typename Buffer, typename Datagram>
+void CheckDatagram10(Bytes data, Datagram datagram) {
+  Buffer before{};
+  static_cast<void>(Encode(Protocol::k10, datagram, before));
+  const DatagramFault fault = Decode(Protocol::k10, data, datagram);
+  Buffer after{};
+  const auto written = Encode(Protocol::k10, datagram, after);
+  TWIN_CHECK((fault == DatagramFault::kSize) == (data.size() < written.size()));
+  if (fault != DatagramFault::kNone) {
+    TWIN_CHECK(after == before);
+    return;
+  }
+  TWIN_CHECK(Decode(Protocol::k10, written, datagram) == DatagramFault::kNone);
+  Buffer again{};
+  static_cast<void>(Encode(Protocol::k10, datagram, again));
+  TWIN_CHECK(again == after);
+}
+
 }  // namespace
 
 void ArmRequests(Bytes data) {
   const std::size_t piece = TakeByte(data) + std::size_t{1};
-  ReadStream(HeadKind::kArm, kLargestArmRequest, data, piece,
-             [](const Frame& frame) { CheckRequest(frame, ParseArmRequest(frame)); });
+  for (const Protocol protocol : kProtocols) {
+    ReadStream(HeadKind::kArm, kLargestArmRequest, data, piece, [protocol](const Frame& frame) {
+      CheckRequest(frame, ParseArmRequest(frame, protocol),
+                   [protocol](std::uint32_t id, const ArmRequest& request) {
+                     return EncodeRequest(id, request, protocol);
+                   });
+    });
+  }
 }
 
 void HandRequests(Bytes data) {
   const std::size_t piece = TakeByte(data) + std::size_t{1};
-  ReadStream(HeadKind::kHand, kLargestHandRequest, data, piece,
-             [](const Frame& frame) { CheckRequest(frame, ParseHandRequest(frame)); });
+  ReadStream(HeadKind::kHand, kLargestHandRequest, data, piece, [](const Frame& frame) {
+    CheckRequest(frame, ParseHandRequest(frame), [](std::uint32_t id, const HandRequest& request) {
+      return EncodeRequest(id, request);
+    });
+  });
+}
+
+void VacuumRequests(Bytes data) {
+  const std::size_t piece = TakeByte(data) + std::size_t{1};
+  ReadStream(HeadKind::kHand, kLargestHandRequest, data, piece, [](const Frame& frame) {
+    CheckRequest(frame, ParseVacuumRequest(frame), &EncodeVacuumRequest);
+  });
 }
 
 void ArmAnswers(Bytes data) {
-  const auto asked = static_cast<ArmCommand>(TakeByte(data) % kArmCommands);
+  const std::uint8_t first = TakeByte(data);
+  const auto asked = static_cast<ArmCommand>(first % kArmCommands);
+  const Protocol protocol = kProtocols[first / 128];
   const std::size_t piece = TakeByte(data) + std::size_t{1};
-  ReadStream(HeadKind::kArm, kLargestAnswer, data, piece, [asked](const Frame& frame) {
-    const auto parsed = ParseArmAnswer(asked, frame);
+  ReadStream(HeadKind::kArm, kLargestAnswer, data, piece, [=](const Frame& frame) {
+    const auto parsed = ParseArmAnswer(asked, frame, protocol);
     if (const auto* answer = std::get_if<ArmAnswer>(&parsed)) {
       TWIN_CHECK(answer->library.size() < frame.payload.size());
       const bool walls = asked == ArmCommand::kGetCartesianLimit;
@@ -138,10 +181,12 @@ void HandAnswers(Bytes data) {
 
 void StateDatagram(Bytes data) {
   CheckDatagrams<StateBytes>(data, RobotState());
+  CheckDatagram10<StateBytes>(data, RobotState());
 }
 
 void CommandDatagram(Bytes data) {
   CheckDatagrams<CommandBytes>(data, RobotCommand());
+  CheckDatagram10<AnyCommandBytes>(data, RobotCommand());
   RobotCommand command;
   if (Decode(data, command) != DatagramFault::kNone) return;
   for (const double value : command.q_c) TWIN_CHECK(std::isfinite(value));
@@ -151,6 +196,10 @@ void CommandDatagram(Bytes data) {
 
 void HandStateDatagram(Bytes data) {
   CheckDatagrams<HandStateBytes>(data, HandState());
+}
+
+void VacuumStateDatagram(Bytes data) {
+  CheckDatagrams<VacuumStateBytes>(data, VacuumState());
 }
 
 }  // namespace twin::fci::fuzz

@@ -13,10 +13,11 @@ using Bytes = std::span<const std::byte>;
 /// What all targets below are; no bytes at all are accepted like any others.
 using Target = void (*)(Bytes);
 
-/// What a server's arm and hand receive. The first byte says in what pieces the others come.
-/// What is read as a request must be the request's bytes when written again.
+/// What a server's arm, hand and vacuum gripper receive. The first byte says in what pieces the
+/// others come. What is read as a request must be the request's bytes when written again.
 void ArmRequests(Bytes data);
 void HandRequests(Bytes data);
+void VacuumRequests(Bytes data);
 
 /// The same bytes in a session that answers them, beside a robot that changes: session_targets.h.
 void ArmSession(Bytes data);
@@ -32,6 +33,7 @@ void HandAnswers(Bytes data);
 void StateDatagram(Bytes data);
 void CommandDatagram(Bytes data);
 void HandStateDatagram(Bytes data);
+void VacuumStateDatagram(Bytes data);
 
 /// All there is of the hand: the first byte says which of HandSession, HandAnswers and
 /// HandStateDatagram gets the others.

@@ -186,6 +186,7 @@ class ScriptedArm final : public ArmService {
     limit = {};
     return id < 0 ? SetterStatus::kInvalidArgumentRejected : SetterStatus::kSuccess;
   }
+  [[nodiscard]] std::string_view RobotModel() override { return "<robot/>"; }
   [[nodiscard]] std::span<const std::byte> ModelLibrary(const LoadModelLibrary& machine) override {
     const bool is_there = machine.architecture == Architecture::kX64;
     return std::span(library_).first(is_there ? library_.size() : 0);

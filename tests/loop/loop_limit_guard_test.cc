@@ -185,7 +185,7 @@ TEST(LimitGuardPosesTest, TheRobotsOwnStopKeepsTheRegionWhenItActsInTime) {
   const onboard::GeneratorLimits limits{.joints = test::PandaLimits(),
                                         .cartesian = test::PandaCartesianLimits()};
   onboard::MotionGenerator robot(limits, kReady);
-  robot.Start(MotionGeneratorMode::kCartesianPosition);
+  robot.Start({.generator = MotionGeneratorMode::kCartesianPosition});
   CommandChain chain(Config(Box()), CommandInterface::kCartesianPose);
   Transform pose = robot.O_T_EE_d();
   double v = 0;

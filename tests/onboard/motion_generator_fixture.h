@@ -22,7 +22,7 @@ struct Driver {
   explicit Driver(Mode mode, const GeneratorLimits& limits = PandaGeneratorLimits())
       : generator(limits, model::kReady) {
     generator.SetEndEffector(model::kHandPose);
-    generator.Start(mode);
+    generator.Start({.generator = mode});
     start = generator.cartesian();
   }
 

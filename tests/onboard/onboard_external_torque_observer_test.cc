@@ -46,7 +46,7 @@ class ExternalTorqueObserverTest : public ::testing::Test {
   }
 
   test::RigidArm arm_{model::kReady, model::kHand, kRotorInertia};
-  ExternalTorqueObserver observer_{kGain};
+  ExternalTorqueObserver observer_{model::ArmModel::Panda(), kGain};
 };
 
 TEST_F(ExternalTorqueObserverTest, StaysAtZeroWhileTheArmRests) {

@@ -337,7 +337,7 @@ TEST(MotionGeneratorTest, HostileStreamsNeverLeaveTheLimits) {
       generator.TakeOver(model::SampleOf(motions).q, {});
       const Mode mode = kModes[++motions % 4];
       if (mode >= Mode::kCartesianPosition && generator.IsSingular()) continue;
-      generator.Start(mode);
+      generator.Start({.generator = mode});
     }
     const bool is_lost = random.Uniform(k, 50) < 0.1;
     const Violations found =
@@ -371,7 +371,7 @@ TEST(MotionGeneratorTest, AllocatesNothing) {
     command.q_c = model::kReady;
     std::size_t violations = 0;
     const test::RealtimeGuard guard;
-    driver.generator.Start(mode);
+    driver.generator.Start({.generator = mode});
     driver.generator.Rest();
     for (int k = 0; k < 1000; ++k) {
       command.q_c[6] += 1e-7;

@@ -19,6 +19,7 @@ FIELDS = {
 }
 CONTENTS = (
     "./usr/bin/panda-twin",
+    "./usr/bin/panda-twin-campaign",
     "./usr/share/bash-completion/completions/panda-twin",
     "./usr/share/man/man1/panda-twin.1",
     "./usr/include/twin/core/robot_state.h",

@@ -3,6 +3,8 @@
 import os
 import pathlib
 import signal
+import socket
+import struct
 import subprocess
 import sys
 import tempfile
@@ -107,6 +109,11 @@ class Programs(Case):
                     self.assertLess(time.monotonic(), limit, robot.events)
                     time.sleep(0.01)
             self.assert_near(panda_twin.model.fk(robot.status.q)[:3, 3], goal)
+
+    def test_an_fr3_speaks_protocol_10(self):
+        with panda_twin.serve(model="fr3") as robot, socket.create_connection((robot.hostname, 1337), timeout=10) as client:
+            client.sendall(struct.pack("<IIIHH", 0, 7, 16, 10, 40000))
+            self.assertEqual(struct.unpack("<IIIBH", client.recv(15, socket.MSG_WAITALL)), (0, 7, 15, 0, 10))
 
     def test_a_refusal_says_why(self):
         robot = self.serve()
@@ -274,6 +281,14 @@ class Ends(Case):
             del panda
         for name in ("run.mcap", "report.html", "summary.json", "motions/1/plots/joints.svg"):
             self.assertTrue((out / name).is_file(), name)
+
+    def test_a_log_is_split_and_old_parts_go(self):
+        log = self.folder / "day.mcap"
+        with panda_twin.serve(log=log, log_split="0.1 s", log_keep=2):
+            time.sleep(1.5)
+        parts = sorted(path.name for path in self.folder.glob("day_*.mcap"))
+        self.assertEqual(len(parts), 2)
+        self.assertNotIn("day_0001.mcap", parts)
 
     def test_two_hundred_leave_nothing(self):
         def held():

@@ -163,6 +163,24 @@ class HandAndObjects(unittest.TestCase):
             with self.assertRaisesRegex(pt.RobotFault, "force"):
                 session.hand.grasp(0.03, force=-1)
 
+    def test_the_cobot_pump_holds_a_box_and_drops_it(self):
+        on_cup = {"robot": {"hand": "cobot_pump", "q_start": {"unit": "rad", "values": REST}}, "objects": [
+            {"name": "table", "shape": "box", "size": ["0.3 m", "0.3 m", "0.38 m"], "position": ["0.307 m", "0 m", "0.19 m"]},
+            {"name": "box", "shape": "box", "size": ["0.1 m", "0.1 m", "0.1055 m"], "mass": "0.5 kg", "on": "table"}]}
+        with pt.Session(on_cup) as session:
+            self.assertEqual(session.hand.state.vacuum, 0)
+            self.assertTrue(session.hand.vacuum(600, timeout=1).succeeded)
+            self.assertTrue(session.move(trajectory(REST, turned(-0.2, joint=1))).succeeded)
+            self.assertTrue(session.hand.state.is_grasped)
+            self.assertGreater(session.objects["box"][2, 3], 0.47)
+            dropped = session.hand.drop_off()
+            self.assertTrue(dropped.succeeded)
+            self.assertLess(dropped.vacuum, 50)
+            session.wait(1)
+            self.assertLess(session.objects["box"][2, 3], 0.45)
+            with self.assertRaisesRegex(pt.RobotFault, "no fingers"):
+                session.hand.grasp(0.03, force=20)
+
     def test_objects_are_seen_and_placed(self):
         with pt.Session(TABLE) as session:
             self.assertEqual(list(session.objects), ["box"])

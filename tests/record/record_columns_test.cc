@@ -25,7 +25,7 @@ constexpr std::uint64_t kCycles = 40;
 /// A log of small chunks, so that a table comes from several.
 std::vector<std::byte> SampleLog() {
   const TemporaryFolder folder;
-  Recorder recorder(folder / "a.mcap", SampleRun(), FullRing::kWait, 8192);
+  Recorder recorder(folder / "a.mcap", SampleRun(), FullRing::kWait, {}, 8192);
   for (std::uint64_t k = 0; k < kCycles; ++k) {
     recorder.Put(SampleCycle(k));
     recorder.Put(SampleTick(k));

@@ -21,7 +21,7 @@ using mcap::Opcode;
 
 std::vector<std::byte> SmallLog() {
   const TemporaryFolder folder;
-  Recorder recorder(folder / "a.mcap", SampleRun(), FullRing::kWait, 4096);
+  Recorder recorder(folder / "a.mcap", SampleRun(), FullRing::kWait, {}, 4096);
   for (std::uint64_t k = 0; k < 6; ++k) {
     recorder.Put(SampleCycle(k));
     recorder.Put(SampleTick(k));

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "record/mcap_format.h"
+#include "record/mcap_index.h"
 #include "record/temporary_folder.h"
 #include "twin/core/error.h"
 #include "twin/record/mcap_reader.h"
@@ -64,6 +65,26 @@ std::vector<std::string> SmallTexts(std::size_t count) {
   return texts;
 }
 
+std::uint64_t Number(std::span<const std::byte> bytes, std::size_t at) {
+  std::uint64_t number = 0;
+  std::memcpy(&number, &bytes[at], sizeof number);
+  return number;
+}
+
+/// Where chunks are by the summary's index: offsets of their records.
+std::vector<std::uint64_t> IndexedChunks(std::span<const std::byte> bytes) {
+  constexpr std::size_t kFooter = 8 + 8 + 4;
+  const std::size_t footer = bytes.size() - mcap::kMagic.size() - kFooter;
+  std::vector<std::uint64_t> offsets;
+  for (std::size_t at = Number(bytes, footer); at < footer;) {
+    const std::size_t content = at + mcap::kRecordHeaderBytes;
+    const bool is_index = bytes[at] == static_cast<std::byte>(mcap::Opcode::kChunkIndex);
+    if (is_index) offsets.push_back(Number(bytes, content + 16));
+    at = content + Number(bytes, at + 1);
+  }
+  return offsets;
+}
+
 TEST(McapReaderTest, GivesBackWhatWasWritten) {
   const auto bytes = SmallFile(9);
   McapReader reader(bytes, "bytes");
@@ -86,6 +107,17 @@ TEST(McapReaderTest, GivesBackWhatWasWritten) {
 
 TEST(McapReaderTest, ReadsAFileWithoutMessages) {
   EXPECT_TRUE(ReadAll(SmallFile(0)).texts.empty());
+}
+
+TEST(McapWriterTest, IndexesEveryChunkOfALongFile) {
+  constexpr int kMessages = 2000;  // a chunk each but the shortest: an index of 200 kB
+  const auto bytes = SmallFile(kMessages);
+  std::vector<std::uint64_t> chunks;
+  for (const auto& place : mcap::Index(mcap::OpenMemory(bytes), "bytes").chunks()) {
+    chunks.push_back(place.offset - mcap::kRecordHeaderBytes);
+  }
+  EXPECT_GT(chunks.size(), kMessages - 100U);
+  EXPECT_EQ(IndexedChunks(bytes), chunks);
 }
 
 TEST(McapWriterTest, GivesTheFileItsNameOnlyWhenItIsWhole) {

@@ -38,6 +38,7 @@ class TestModel final : public plant::TruthProbe {
   void CopyQpos(std::span<double> out) const noexcept override {
     for (std::size_t i = 0; i < out.size(); ++i) out[i] = data_->qpos[i];
   }
+  [[nodiscard]] const std::string& prefix() const noexcept override { return prefix_; }
   [[nodiscard]] std::vector<double> Qpos() const { return {data_->qpos, data_->qpos + model_->nq}; }
   void SetQpos(std::size_t i, double value) { data_->qpos[i] = value; }
   void Step() { mj_step(model_.get(), data_.get()); }
@@ -52,6 +53,7 @@ class TestModel final : public plant::TruthProbe {
     void operator()(mjModel* model) const { mj_deleteModel(model); }
     void operator()(mjData* data) const { mj_deleteData(data); }
   };
+  std::string prefix_;
   std::unique_ptr<mjModel, Free> model_;
   std::unique_ptr<mjData, Free> data_;
 };

@@ -213,7 +213,7 @@ TEST_F(RealtimeRobotTest, MakesUpForAStallWithinCatchUpAndPostponesTheRestOfALon
 }
 
 TEST_F(RealtimeRobotTest, PostponesAStallWhenAsManyCommandsAreLostAlready) {
-  constexpr int kStalled = 60;
+  constexpr int kStalled = 200;
   RobotConfig config = test::PandaRobot();
   config.catch_up = milliseconds(10);
   config.onboard.abort_after_lost = 100'000;
@@ -228,7 +228,7 @@ TEST_F(RealtimeRobotTest, PostponesAStallWhenAsManyCommandsAreLostAlready) {
     command.q_c = test::kReady;
     robot_->Write(command);
   }
-  AwaitCycle(100);
+  AwaitCycle(kStalled + 40);
   robot_->End();
   const auto& cycles = cycles_.kept();
   ExpectSoundGrid(cycles, robot_->overruns());

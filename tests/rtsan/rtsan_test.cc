@@ -1,6 +1,7 @@
 // The communication's ticks and the robot's cycles under RealtimeSanitizer: a call that allocates,
 // locks, sleeps or does input and output ends the program.
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -107,6 +108,54 @@ TEST(RtsanTest, TenThousandCyclesOfTheRobot) {
   }
   EXPECT_EQ(robot.mode(), RobotMode::kMove);
   EXPECT_GE(events.Now(), Time(std::chrono::seconds(10)));
+}
+
+/// Every controller with every generator: commands, then more losses than INT takes, error,
+/// recovery, and the next motion.
+TEST(RtsanTest, EveryModeOfTheRobotWithErrorsAndRecoveries) {
+  class Silent final : public rt::EventHandler {
+   public:
+    void OnEvent(Time, std::uint64_t) noexcept override {}
+  };
+  using enum ControllerMode;
+  using enum MotionGeneratorMode;
+  for (const ControllerMode controller :
+       {kJointImpedance, kCartesianImpedance, kExternalController}) {
+    for (const MotionGeneratorMode generator :
+         {kJointPosition, kJointVelocity, kCartesianPosition, kCartesianVelocity}) {
+      SCOPED_TRACE(std::string(Name(controller)) + " " + std::string(Name(generator)));
+      const MotionModes modes{controller, generator};
+      rt::EventQueue events;
+      Silent silent;
+      const robot::RobotConfig config = test::IdealPanda();
+      robot::Robot robot(config, std::make_unique<plant::IdealPlant>(), events, silent, nullptr);
+      ASSERT_EQ(robot.Move(modes), MoveStatus::kMotionStarted);
+      robot.Begin();
+      RobotCommand command;
+      int reflexes = 0;
+      int motions = 1;
+      {
+        const RealtimeSection section;
+        while (events.Now() < Time(std::chrono::seconds(1)) && events.RunNext()) {
+          if (!robot.states().has_new()) continue;
+          const RobotState& state = robot.states().Take();
+          if (robot.mode() == RobotMode::kReflex) {
+            ++reflexes;
+            static_cast<void>(robot.AutomaticErrorRecovery());
+          } else if (robot.mode() == RobotMode::kIdle) {
+            motions += robot.Move(modes) == MoveStatus::kMotionStarted ? 1 : 0;
+          }
+          if (state.message_id % 200 >= 170) continue;
+          command.message_id = state.message_id;
+          command.q_c = state.q_d;
+          command.O_T_EE_c = state.O_T_EE_d;
+          robot.Send(command);
+        }
+      }
+      EXPECT_GT(reflexes, 1);
+      EXPECT_GT(motions, 2);
+    }
+  }
 }
 
 }  // namespace

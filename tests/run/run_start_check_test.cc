@@ -237,7 +237,7 @@ TEST(StartCheckTest, SendsEverySettingOfTheSectionInt) {
   scenario::OnboardSection onboard;
   onboard.K_theta[2] = 1234;
   onboard.load.m_load = 0.7;
-  const std::vector<Setting> settings = SettingsOf(onboard);
+  const std::vector<Setting> settings = SettingsOf(onboard, true);
   ASSERT_EQ(settings.size(), std::variant_size_v<Setting>);
   std::vector<bool> sent(settings.size());
   for (const Setting& setting : settings) {

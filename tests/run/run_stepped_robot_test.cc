@@ -23,14 +23,14 @@ using Row = std::array<std::uint64_t, StepReport::kSize>;
 /// Ten steps of 50 ms along x and up, from the pose of the last reset.
 std::vector<Row> Walk(SteppedRobot& robot, double by = 0.01) {
   reference::Target target;
-  target.pose.O_T_EE = test::PoseOf(robot.report());
+  target.pose.O_T_EE = twin::test::PoseOf(robot.report());
   std::vector<Row> rows;
   for (int i = 0; i < 10; ++i) {
     target.pose.O_T_EE[12] += by;
     target.pose.O_T_EE[14] += by;
     robot.SetTarget(target);
     robot.Advance(50);
-    rows.push_back(test::Bits(robot.report()));
+    rows.push_back(twin::test::Bits(robot.report()));
   }
   return rows;
 }
@@ -47,11 +47,11 @@ void Turn(SteppedRobot& robot, double by, int steps) {
 }
 
 TEST(SteppedRobotTest, LeadsTheEndEffectorToATargetWithoutAHeldCycle) {
-  SteppedRobot robot(test::Stepped(), test::Files());
+  SteppedRobot robot(twin::test::Stepped(), twin::test::Files());
   robot.Reset({.seed = 1});
   const Vector3 from = robot.report().position;
   reference::Target target;
-  target.pose.O_T_EE = test::PoseOf(robot.report());
+  target.pose.O_T_EE = twin::test::PoseOf(robot.report());
   target.pose.O_T_EE[12] += 0.05;
   for (int i = 0; i < 20; ++i) {
     robot.SetTarget(target);
@@ -67,36 +67,36 @@ TEST(SteppedRobotTest, LeadsTheEndEffectorToATargetWithoutAHeldCycle) {
 }
 
 TEST(SteppedRobotTest, GivesTheSameBitsAfterEveryResetWithTheSameSeed) {
-  SteppedRobot robot(test::Stepped(test::kLossy), test::Files());
+  SteppedRobot robot(twin::test::Stepped(twin::test::kLossy), twin::test::Files());
   robot.Reset({.seed = 7});
   const std::vector<Row> first = Walk(robot);
   robot.Reset({.seed = 8});
   EXPECT_NE(Walk(robot), first);
   robot.Reset({.seed = 7});
   EXPECT_EQ(Walk(robot), first);
-  SteppedRobot another(test::Stepped(test::kLossy), test::Files());
+  SteppedRobot another(twin::test::Stepped(twin::test::kLossy), twin::test::Files());
   another.Reset({.seed = 7});
   EXPECT_EQ(Walk(another), first);
 }
 
 TEST(SteppedRobotTest, GivesTheSameBitsAfterAnEpisodeThatAReflexEnded) {
-  scenario::Scenario scenario = test::Stepped("tick: {generator: none, viability: off}\n");
+  scenario::Scenario scenario = twin::test::Stepped("tick: {generator: none, viability: off}\n");
   scenario.motion.interface = control::CommandInterface::kJointPosition;
-  SteppedRobot robot(scenario, test::Files());
+  SteppedRobot robot(scenario, twin::test::Files());
   robot.Reset({.seed = 1});
-  const auto begin = test::Bits(robot.report());
+  const auto begin = twin::test::Bits(robot.report());
   Turn(robot, 0.5, 2);
   EXPECT_EQ(robot.report().is_moving, 0);
   EXPECT_NE(robot.report().errors, 0);
   EXPECT_THAT(robot.DescribeErrors(), HasSubstr("joint 1"));
   robot.Reset({.seed = 1});
-  EXPECT_EQ(test::Bits(robot.report()), begin);
+  EXPECT_EQ(twin::test::Bits(robot.report()), begin);
 }
 
 TEST(SteppedRobotTest, TheViabilityFilterKeepsTheSameJumpFromEndingTheMotion) {
-  scenario::Scenario scenario = test::Stepped();
+  scenario::Scenario scenario = twin::test::Stepped();
   scenario.motion.interface = control::CommandInterface::kJointPosition;
-  SteppedRobot robot(scenario, test::Files());
+  SteppedRobot robot(scenario, twin::test::Files());
   robot.Reset({.seed = 1});
   const double from = robot.report().q[0];
   Turn(robot, 0.5, 40);
@@ -106,11 +106,11 @@ TEST(SteppedRobotTest, TheViabilityFilterKeepsTheSameJumpFromEndingTheMotion) {
 }
 
 TEST(SteppedRobotTest, CountsTheCyclesThatALossyLinkLeavesWithoutACommand) {
-  SteppedRobot robot(test::Stepped(), test::Files());
+  SteppedRobot robot(twin::test::Stepped(), twin::test::Files());
   robot.Reset({.seed = 3, .loss = 0.1});
   double held = 0;
   reference::Target target;
-  target.pose.O_T_EE = test::PoseOf(robot.report());
+  target.pose.O_T_EE = twin::test::PoseOf(robot.report());
   for (int i = 0; i < 40; ++i) {
     robot.SetTarget(target);
     robot.Advance(50);
@@ -122,7 +122,7 @@ TEST(SteppedRobotTest, CountsTheCyclesThatALossyLinkLeavesWithoutACommand) {
 }
 
 TEST(SteppedRobotTest, AConstantDelayOfACycleEndsNoMotion) {
-  SteppedRobot robot(test::Stepped(), test::Files());
+  SteppedRobot robot(twin::test::Stepped(), twin::test::Files());
   robot.Reset({.seed = 3, .delay = std::chrono::microseconds(300)});
   Walk(robot);
   EXPECT_EQ(robot.report().held, 0);
@@ -130,13 +130,13 @@ TEST(SteppedRobotTest, AConstantDelayOfACycleEndsNoMotion) {
 }
 
 TEST(SteppedRobotTest, SaysThatNoMotionBeginsWhenTheLinkLosesAll) {
-  SteppedRobot robot(test::Stepped(), test::Files());
+  SteppedRobot robot(twin::test::Stepped(), twin::test::Files());
   EXPECT_THAT([&] { robot.Reset({.seed = 1, .loss = 1}); },
               ThrowsMessage<RobotFault>(HasSubstr("no motion begins")));
 }
 
 TEST(SteppedRobotTest, PlacesObjectsAndRefusesAPlaceInsideOfTheTable) {
-  SteppedRobot robot(test::Stepped("scene: scenes/table_box.xml\n"), test::Files());
+  SteppedRobot robot(twin::test::Stepped("scene: scenes/table_box.xml\n"), twin::test::Files());
   ASSERT_THAT(robot.objects(), ::testing::ElementsAre("box"));
   Transform X_WB = kIdentityTransform;
   X_WB[12] = 0.45;
@@ -158,9 +158,9 @@ TEST(SteppedRobotTest, PlacesObjectsAndRefusesAPlaceInsideOfTheTable) {
 }
 
 TEST(SteppedRobotTest, AHeavierLoadBendsTheArmAndGoesWhenGivenAnew) {
-  scenario::Scenario scenario = test::Stepped();
+  scenario::Scenario scenario = twin::test::Stepped();
   scenario.robot.load.m_load = 0.001;
-  SteppedRobot robot(scenario, test::Files());
+  SteppedRobot robot(scenario, twin::test::Files());
   const auto height = [&](double mass) {
     robot.Reset({.seed = 1, .masses = {{"load", mass}}});
     for (int i = 0; i < 10; ++i) robot.Advance(50);
@@ -172,7 +172,7 @@ TEST(SteppedRobotTest, AHeavierLoadBendsTheArmAndGoesWhenGivenAnew) {
 }
 
 TEST(SteppedRobotTest, ReportsTheForceWithWhichItPressesOnATable) {
-  scenario::Scenario scenario = test::Stepped(
+  scenario::Scenario scenario = twin::test::Stepped(
       "scene: scenes/table_box.xml\n"
       "onboard: {collision_behavior: off, K_x: {translation: 600 N/m, rotation: 30 Nm/rad}}\n");
   scenario.motion.controller = ControllerMode::kCartesianImpedance;
@@ -181,10 +181,10 @@ TEST(SteppedRobotTest, ReportsTheForceWithWhichItPressesOnATable) {
   aside[12] = 0.5;
   aside[13] = 0.25;
   aside[14] = 0.325;
-  SteppedRobot robot(scenario, test::Files());
+  SteppedRobot robot(scenario, twin::test::Files());
   robot.Reset({.seed = 1, .places = {{"box", aside}}});
   reference::Target target;
-  target.pose.O_T_EE = test::PoseOf(robot.report());
+  target.pose.O_T_EE = twin::test::PoseOf(robot.report());
   for (int i = 0; i < 300; ++i) {
     if (robot.report().contact[2] > -5) target.pose.O_T_EE[14] -= 0.0005;
     robot.SetTarget(target);
@@ -196,21 +196,21 @@ TEST(SteppedRobotTest, ReportsTheForceWithWhichItPressesOnATable) {
 }
 
 TEST(SteppedRobotTest, KeepsTheStateItHasComeToAsTheStart) {
-  SteppedRobot robot(test::Stepped(), test::Files());
+  SteppedRobot robot(twin::test::Stepped(), twin::test::Files());
   robot.Reset({.seed = 1});
   const double before = robot.report().position[0];
   Walk(robot);
   robot.KeepAsStart();
   robot.Reset({.seed = 1});
-  const auto first = test::Bits(robot.report());
+  const auto first = twin::test::Bits(robot.report());
   EXPECT_GT(robot.report().position[0], before + 0.09);
   Walk(robot);
   robot.Reset({.seed = 1});
-  EXPECT_EQ(test::Bits(robot.report()), first);
+  EXPECT_EQ(twin::test::Bits(robot.report()), first);
 }
 
 TEST(SteppedRobotTest, RefusesATargetThatIsNotFinite) {
-  SteppedRobot robot(test::Stepped(), test::Files());
+  SteppedRobot robot(twin::test::Stepped(), twin::test::Files());
   reference::Target target;
   target.pose.O_T_EE[12] = std::nan("");
   EXPECT_THAT([&] { robot.SetTarget(target); },

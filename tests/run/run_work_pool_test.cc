@@ -51,20 +51,21 @@ TEST(WorkPoolTest, StepsRobotsToTheSameBitsWithAnyNumberOfThreads) {
     WorkPool pool(threads);
     std::vector<std::uint64_t> bits;
     pool.ForEach(robots.size(), [&](std::size_t i) {
-      robots[i] = std::make_unique<SteppedRobot>(test::Stepped(test::kLossy), test::Files());
+      robots[i] = std::make_unique<SteppedRobot>(twin::test::Stepped(twin::test::kLossy),
+                                                 twin::test::Files());
       robots[i]->Reset({.seed = i});
     });
     for (int step = 0; step < 5; ++step) {
       pool.ForEach(robots.size(), [&](std::size_t i) {
         reference::Target target;
-        target.pose.O_T_EE = test::PoseOf(robots[i]->report());
+        target.pose.O_T_EE = twin::test::PoseOf(robots[i]->report());
         target.pose.O_T_EE[12] += 0.01 * static_cast<double>(i);
         robots[i]->SetTarget(target);
         robots[i]->Advance(20);
       });
     }
     for (const auto& robot : robots) {
-      const auto row = test::Bits(robot->report());
+      const auto row = twin::test::Bits(robot->report());
       bits.insert(bits.end(), row.begin(), row.end());
     }
     results.push_back(bits);

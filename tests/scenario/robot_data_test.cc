@@ -119,7 +119,7 @@ TEST(RobotDataTest, NamesTheRobotsThereAre) {
   EXPECT_THAT([] { (void)LoadRobotData(kModels, "pandas", plant::HandKind::kNone); },
               ThrowsMessage<InputError>(HasSubstr("\"pandas\" is unknown; ")));
   EXPECT_THAT([] { (void)LoadRobotData(kModels, "pandas", plant::HandKind::kNone); },
-              ThrowsMessage<InputError>(HasSubstr(" has: panda")));
+              ThrowsMessage<InputError>(HasSubstr(" has: fr3, panda")));
 }
 
 TEST(RobotDataTest, RefusesALimitInTheWrongUnit) {

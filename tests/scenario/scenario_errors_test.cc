@@ -270,10 +270,10 @@ TEST(ScenarioErrorsTest, RefusesAHandSectionThatDoesNotWork) {
   ExpectTouchedRefused("at: 30 ms", "at: 10 ms",
                        "s.yaml:44: hand[3].at: ", "comes before the command above it");
   ExpectTouchedRefused("stop: {}", "let_go: {}", "s.yaml:45: hand[4]", "let_go");
-  ExpectTouchedRefused("stop: {}", "stop: {}, homing: {}",
-                       "s.yaml:45: hand[4]: ", "give exactly one of homing, move, grasp, stop");
-  ExpectTouchedRefused(", stop: {}", "",
-                       "s.yaml:45: hand[4]: ", "give exactly one of homing, move, grasp, stop");
+  ExpectTouchedRefused("stop: {}", "stop: {}, homing: {}", "s.yaml:45: hand[4]: ",
+                       "give exactly one of homing, move, grasp, vacuum, drop_off, stop");
+  ExpectTouchedRefused(", stop: {}", "", "s.yaml:45: hand[4]: ",
+                       "give exactly one of homing, move, grasp, vacuum, drop_off, stop");
   for (const char* value : {"now", "{force: 3 N}", "[1]"}) {
     ExpectTouchedRefused("homing: {}", std::string("homing: ") + value,
                          "s.yaml:42: hand[1].homing: ", "takes no values; write {}");

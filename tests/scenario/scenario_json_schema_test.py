@@ -79,7 +79,7 @@ class JsonSchemaTest(unittest.TestCase):
         return done.returncode == 0
 
     def test_every_scenario_that_is_shipped_is_valid(self):
-        files = [file for folder in ("scenarios", "applications", "experiments")
+        files = [file for folder in ("scenarios", "applications", "experiments", "cells")
                  for file in sorted((SOURCE / "models" / folder).glob("*.yaml")) if not file.name.endswith(".hash.yaml")]
         self.assertGreater(len(files), 20)
         for file in files:

@@ -9,11 +9,12 @@ import socket
 import struct
 
 LIMIT = 60  # s, for anything to come
-STATE_BYTES, COMMAND_BYTES, HAND_STATE_BYTES = 2373, 370, 23
+STATE_BYTES, COMMAND_BYTES, HAND_STATE_BYTES, VACUUM_STATE_BYTES = 2373, 370, 23, 16
 
 CONNECT, MOVE, STOP_MOVE, GET_CARTESIAN_LIMIT, SET_COLLISION_BEHAVIOR, SET_JOINT_IMPEDANCE = 0, 1, 2, 3, 4, 5
 SET_LOAD, RECOVERY, LOAD_MODEL_LIBRARY = 10, 12, 13
 HAND_CONNECT, HAND_HOMING, HAND_GRASP, HAND_MOVE, HAND_STOP = 0, 1, 2, 3, 4
+VACUUM, VACUUM_DROP_OFF, VACUUM_STOP = 1, 2, 3
 
 SUCCESS, MOTION_STARTED, PREEMPTED, NOT_POSSIBLE, REFLEX_ABORTED = 0, 1, 2, 3, 6
 SETTING_NOT_POSSIBLE, SETTING_INVALID = 1, 2
@@ -193,3 +194,16 @@ class Hand(Stream):
 
     def do(self, number, payload=b""):
         return struct.unpack("<H", self.ask(number, payload))[0]
+
+
+class Vacuum(Hand):
+    """The vacuum gripper: framed as the hand."""
+
+    def __init__(self, port, version=1):
+        super().__init__(port, version)
+
+    def read(self):
+        """@returns (id, in_control_range, part_detached, part_present, device_status, actual_power, vacuum)."""
+        data = self.udp.recv(4096)
+        assert len(data) == VACUUM_STATE_BYTES, len(data)
+        return struct.unpack("<I???Bii", data)

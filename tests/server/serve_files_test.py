@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The files that `panda-twin serve` writes: serve_files_test.py PROGRAM SOURCE_TREE [unittest options]."""
 
+import csv
 import pathlib
 import resource
 import shutil
@@ -33,9 +34,20 @@ class ServeFilesTest(unittest.TestCase):
         self.scenario = self.folder / "s.yaml"
         self.scenario.write_text(SCENARIO)
 
-    def serve(self, *flags):
-        return subprocess.run([PROGRAM, "serve", self.scenario, "--port", "0", "--hand-port", "0", "--for", "0.3", "--drive",
+    def serve(self, *flags, seconds="0.3"):
+        return subprocess.run([PROGRAM, "serve", self.scenario, "--port", "0", "--hand-port", "0", "--for", seconds, "--drive",
                                "lockstep", "--data", SOURCE / "models", *flags], capture_output=True, text=True, timeout=60)
+
+    def names(self):
+        return sorted(file.name for file in self.folder.glob("a_*"))
+
+    def export(self, log):
+        """@returns the message ids of a log's cycles."""
+        done = subprocess.run([PROGRAM, "export", log, "--out", self.folder / "csv", "--columns", "message_id"], capture_output=True,
+                              text=True, timeout=60)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        with open(self.folder / "csv/cycles.csv", newline="") as file:
+            return [int(row["message_id"]) for row in csv.DictReader(file)]
 
     def assert_refused(self, code, says, *flags):
         done = self.serve(*flags)
@@ -80,12 +92,39 @@ class ServeFilesTest(unittest.TestCase):
                         str(self.folder / "a.pcapng")):
             self.assert_refused(4, "another", "--log", self.folder / "a.mcap")
             self.assert_refused(4, "another", "--capture", self.folder / "a.pcapng")
+        with TwinServer(PROGRAM, SOURCE, "lockstep", "--log", str(self.folder / "b.mcap"), "--log-split", "1h"):
+            self.assert_refused(4, "another", "--log", self.folder / "b.mcap", "--log-split", "1h")
         self.assertTrue((self.folder / "a.mcap").exists() and (self.folder / "a.pcapng").exists())
 
     def test_log_and_capture_are_two_files(self):
         for other in ("x", "./x"):
             self.assert_refused(3, "--capture", "--log", self.folder / "x", "--capture", f"{self.folder}/{other}")
         self.assertFalse((self.folder / "x").exists())
+
+    def test_a_split_log_has_each_cycle_in_one_file(self):
+        split = ("--log", self.folder / "a.mcap", "--log-split", "0.2 s")
+        done = self.serve(*split, seconds="2")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        names = self.names()
+        self.assertGreaterEqual(len(names), 3)
+        self.assertEqual(names, [f"a_{number + 1:04}.mcap" for number in range(len(names))])
+        cycles = [self.export(self.folder / name) for name in names]
+        self.assertEqual({len(ids) for ids in cycles[:-1]}, {200})
+        ids = sum(cycles, [])
+        self.assertEqual(ids, list(range(ids[0], ids[0] + len(ids))))
+
+        done = self.serve(*split, "--log-keep", "2")  # of both sessions
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(len(self.names()), 2)
+        self.assertGreater(self.names()[-1], names[-1])
+
+    def test_flags_of_a_split_log_that_do_not_go_together(self):
+        log = ("--log", self.folder / "a.mcap")
+        self.assert_refused(3, "--log-split goes with --log", "--log-split", "1h")
+        self.assert_refused(3, "--log-keep goes with --log-split", *log, "--log-keep", "3")
+        self.assert_refused(3, "--log-keep", *log, "--log-split", "1h", "--log-keep", "0")
+        self.assert_refused(3, '--log-split: "1" is neither', *log, "--log-split", "1")
+        self.assertEqual(self.names(), [])
 
     def test_a_disk_that_is_full_is_told_at_once(self):
         served = subprocess.Popen([PROGRAM, "serve", self.scenario, "--port", "0", "--hand-port", "0", "--drive", "lockstep", "--log",

@@ -449,7 +449,7 @@ class ProgramTest(ServeTest):
         elsewhere = subprocess.run([PROGRAM, "decode", capture, "--brief", "--port", "1", "--hand-port", "2"], check=True,
                                    capture_output=True, text=True)
         self.assertIn("between other ports", elsewhere.stdout)
-        self.assertEqual(elsewhere.stderr.count("name them with --port and --hand-port"), 1)
+        self.assertEqual(elsewhere.stderr.count("name them with --port, --hand-port and --vacuum-port"), 1)
 
     def refused(self, *flags):
         result = subprocess.run([PROGRAM, "serve", *flags, "--data", SOURCE / "models"], capture_output=True, text=True,

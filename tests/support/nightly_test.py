@@ -93,7 +93,7 @@ class NightlyTest(unittest.TestCase):
         self.assertIn("unit_under_asan", cases)
         page = (out / "report.html").read_text()
         for text in ("<td>good<td>slow<td>passed", "<td>bad<td>bench<td>failed", "<td>skips: no disk", "<td>unit_under_asan<td>asan<td>not run",
-                     "1 passed, 1 failed, 1 skipped, 2 not run", 'href="logs/bad.log"'):
+                     "<td>unit_under_tsan<td>tsan<td>not run", "1 passed, 1 failed, 1 skipped, 3 not run", 'href="logs/bad.log"'):
             self.assertIn(text, page)
         self.assertIn("no disk", (out / "logs/skips.log").read_text())
 

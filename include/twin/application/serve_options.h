@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "twin/model/lab_limits.h"
+#include "twin/record/log_split.h"
 #include "twin/scenario/scenario.h"
 
 namespace twin::application {
@@ -16,7 +17,8 @@ namespace twin::application {
 struct ServeOptions {
   std::filesystem::path scenario;  ///< robot, scene, start; empty: the ready pose
   std::string yaml;  ///< the scenario's text, for scenario::ParseServed; empty: the file has it
-  std::optional<std::string> lab;              ///< name or file (scenario::FindLab)
+  std::optional<std::string> lab;    ///< name or file (scenario::FindLab)
+  std::optional<std::string> model;  ///< folder below models/robots, instead of the scenario's
   std::optional<std::filesystem::path> scene;  ///< instead of the scenario's
   std::optional<std::uint64_t> seed;           ///< instead of the scenario's
   std::optional<std::string> drive;            ///< absent: by what this host keeps
@@ -30,11 +32,16 @@ struct ServeOptions {
   std::optional<std::filesystem::path> out;  ///< folder of the session's results
   bool no_video = false;                     ///< in it
   std::optional<std::filesystem::path> log;
+  std::optional<std::string> log_split;  ///< time or size (record::ParseLogSplit); absent: one file
+  std::optional<std::uint64_t> log_keep;  ///< ended files of a split log that stay; absent: all
   std::optional<std::filesystem::path> capture;
   std::string_view dash = "";  ///< what stands before an option's name: "--" on command lines
 
   /// Whether time stands still between motions. @throws InputError for another word.
   [[nodiscard]] bool FreezesWhenIdle() const;
+  /// How the log lies in files: synced, since no session can be repeated.
+  /// @throws InputError for a text that is neither time nor size.
+  [[nodiscard]] record::LogSplit SplitOfLog() const;
   /// @throws InputError for options out of range and those that do not go together.
   void Validate() const;
 };

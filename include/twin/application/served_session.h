@@ -30,6 +30,9 @@ struct ServeHost {
   /// server.address is then ignored.
   bool takes_free_address = false;
   std::string programs;  ///< search path of gnuplot and ffmpeg, for ServeOptions::out
+  /// Changes the options of the robot's plant, as to a place in a model of several; empty: it
+  /// stands alone.
+  std::function<void(plant::MujocoPlantOptions& plant)> place{};
   /// Receives each line about connections, motions and refusals; one call at a time, on any thread.
   server::TellPeople tell;
   /// Gives the sink of the robot's records, once. @param records  where they must go on to; null:

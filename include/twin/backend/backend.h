@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "twin/core/modes.h"
@@ -37,6 +38,18 @@ enum class MotionEnd : std::uint8_t {
   kAborted,      ///< stopped by an error
   kUserStopped,  ///< stopped by the user stop
 };
+
+/// "none", "success", "preempted", "aborted", "user_stopped".
+[[nodiscard]] constexpr std::string_view NameOf(MotionEnd end) noexcept {
+  switch (end) {
+    case MotionEnd::kNone: return "none";
+    case MotionEnd::kSuccess: return "success";
+    case MotionEnd::kPreempted: return "preempted";
+    case MotionEnd::kAborted: return "aborted";
+    case MotionEnd::kUserStopped: return "user_stopped";
+  }
+  return "";
+}
 
 /// Identity of a backend, and the end of its last motion.
 struct Description {

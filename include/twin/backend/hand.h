@@ -6,8 +6,8 @@
 
 namespace twin::backend {
 
-/// The only seam to the hand, beside Backend and independent of what implements it. Uses the
-/// vocabulary of the Franka Control Interface.
+/// The only seam to the hand or vacuum gripper, beside Backend and independent of what implements
+/// it. Uses the vocabulary of the Franka Control Interface.
 ///
 /// Life of a command: Start -> Outcome until it has a value. No call waits: a hand moves for
 /// seconds, and in lockstep the caller advances time. One command runs at a time; a new command

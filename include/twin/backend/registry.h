@@ -61,7 +61,7 @@ enum class RobotTime : std::uint8_t {
 struct RobotAddress {
   std::string host;             ///< IPv4 address, or name
   std::uint16_t arm_port = 0;   ///< TCP; 0: the interface's default
-  std::uint16_t hand_port = 0;  ///< TCP; 0: the port after the arm's
+  std::uint16_t hand_port = 0;  ///< TCP; 0: the port after the arm's, a vacuum gripper's two after
   RobotTime time = RobotTime::kAsItSays;
   /// The longest time without a state; then the robot counts as gone. At least 5 s for kStates.
   Duration silence = std::chrono::seconds(1);

@@ -44,6 +44,17 @@ struct HandDrive {
   double width_d = 0;  ///< m
 };
 
+/// Sensor of the vacuum gripper.
+struct PumpSensors {
+  double vacuum = 0;  ///< in the cups, below the air's pressure, Pa
+};
+
+/// Drive commands of the vacuum gripper for one cycle.
+struct PumpDrive {
+  double power = 0;   ///< of the pump, share of its most, in [0, 1]
+  bool vents = true;  ///< the valve lets air in
+};
+
 /// Wheel sensors of a base. Wheels are ordered front left, front right, rear left, rear right;
 /// positive rotation drives forwards.
 struct WheelSensors {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+
 #include "twin/core/joint_vector.h"
 
 namespace twin {
@@ -14,6 +16,19 @@ struct JointLimits {
   JointVector dddq_max{};  ///< rad/s^3
   JointVector tau_max{};   ///< Nm
   JointVector dtau_max{};  ///< Nm/s
+
+  /// Where the velocity limit shrinks towards the ends of a joint's range (FR3): offset (rad/s) and
+  /// deceleration (rad/s^2) of UpperVelocity(); a deceleration of zero: dq_max everywhere.
+  JointVector velocity_offset{};
+  JointVector deceleration{};
+
+  /// Largest velocity of a joint at q (rad) in the direction of q_max, rad/s:
+  ///   min(dq_max, max(0, sqrt(2 deceleration (q_max - q)) - velocity_offset)).
+  /// Source: position_based_velocity_limits of the FR3's URDF, as libfranka 0.18 and later reads
+  /// it. Threads: any. Real-time: noexcept.
+  [[nodiscard]] double UpperVelocity(std::size_t joint, double q) const noexcept;
+  /// The same towards q_min, as a negative number.
+  [[nodiscard]] double LowerVelocity(std::size_t joint, double q) const noexcept;
 
   /// @throws InputError naming joint, field and value when a bound is not finite, not positive, or
   /// q_min >= q_max.

@@ -1,7 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string_view>
+
+#include "twin/core/joint_vector.h"
 
 namespace twin {
 
@@ -24,6 +27,7 @@ enum class MotionGeneratorMode : std::uint8_t {
   kJointVelocity = 2,
   kCartesianPosition = 3,
   kCartesianVelocity = 4,
+  kNone = 5,  ///< torque alone, with an external controller; FCI protocol 10
 };
 
 /// Whether commands to the generator are poses or twists.
@@ -44,6 +48,9 @@ enum class ControllerMode : std::uint8_t {
 struct MotionModes {
   ControllerMode controller = ControllerMode::kJointImpedance;
   MotionGeneratorMode generator = MotionGeneratorMode::kJointPosition;
+  /// Present in an asynchronous position motion: commands are goals, sent at any time, which INT
+  /// approaches with these joint velocities at most, rad/s. FCI protocol 10; joint positions only.
+  std::optional<JointVector> asynchronous{};
 };
 
 /// Names as clients of the real robot print them ("Idle", "Move", "User stopped", ...).

@@ -29,6 +29,7 @@ enum class Dimension : std::uint8_t {
   kRate,
   kInertia,
   kMass,
+  kPressure,
   kLength,
   kVelocity,
   kAcceleration,
@@ -40,7 +41,7 @@ enum class Dimension : std::uint8_t {
 /// Reads a number with its unit, "80 us" or "-45 deg". The space is optional; micro is u, the micro
 /// sign or a small mu.
 /// @returns the value in the dimension's base unit: s, Hz, rad, rad/s, rad/s^2, rad/s^3, N, Nm,
-/// Nm/s, Nm/rad, N/m, Ns/m, Nms/rad, s/rad, Nm/rad/s, 1/s, kg m^2, kg, m, m/s, m/s^2, m/s^3,
+/// Nm/s, Nm/rad, N/m, Ns/m, Nms/rad, s/rad, Nm/rad/s, 1/s, kg m^2, kg, Pa, m, m/s, m/s^2, m/s^3,
 /// percent or ppm (drift).
 /// @throws InputError with the given text and the accepted units. The text names no file: the
 /// file's reader prepends the location.

@@ -33,6 +33,7 @@ enum class RandomStream : std::uint32_t {
   kObjects = 23,          ///< sizes, masses and places of a scenario's objects
   kPlace = 24,            ///< where an application places an object
   kProfile = 25,          ///< numbers of a robot's profile, by its covariance
+  kRobotSeed = 26,        ///< of each of several robots, by its name
   kOperatorDelay = 32,    ///< of an operator's commands to the robot
   kOperatorLoss = 33,
   kOperatorBurst = 34,

@@ -12,6 +12,9 @@
 
 namespace twin {
 
+/// One acceleration per instrumented link: element (link n, axis r) is index 3 n + r.
+using Accelerations = std::array<double, 18>;
+
 /// Robot state, every millisecond. Names, units and frames are Franka's. Source: FCI protocol 5,
 /// robot state.
 ///
@@ -67,6 +70,11 @@ struct RobotState {
 
   JointVector theta{};   ///< motor position
   JointVector dtheta{};  ///< motor velocity
+
+  /// Of an FR3 (FCI protocol 10): proper acceleration of the links 0 to 5 at two places each, in
+  /// the sensor's axes, m/s^2.
+  Accelerations accelerometer_top{};
+  Accelerations accelerometer_bottom{};
 
   MotionGeneratorMode motion_generator_mode = MotionGeneratorMode::kIdle;
   ControllerMode controller_mode = ControllerMode::kOther;

@@ -70,13 +70,15 @@ struct RejectedDatagrams {
 class ArmClient {
  public:
   /// Connects TCP, binds the state socket and checks the protocol version.
+  /// @param protocol  that the robot must speak.
   /// @param clock  for instants and timeouts; must outlive the client. It may be restarted while no
   /// Receive() runs.
   /// @param capture  records what is sent and received; must outlive the client. May be null.
   /// @throws InputError if the host has no address; RobotFault if the host does not answer, or has
   /// another version (names both versions and the cure).
   ArmClient(const MonotonicClock& clock, const std::string& host, std::uint16_t port,
-            const ClientTimeout& timeout = {}, Capture* capture = nullptr);
+            const ClientTimeout& timeout = {}, Capture* capture = nullptr,
+            Protocol protocol = Protocol::k5);
   ~ArmClient();
   ArmClient(const ArmClient&) = delete;
   ArmClient& operator=(const ArmClient&) = delete;
@@ -94,6 +96,7 @@ class ArmClient {
   /// Returns once the arm is at rest; at once without a motion.
   [[nodiscard]] StopStatus StopMove();
   [[nodiscard]] SetterStatus Configure(const Setting& setting);
+  /// Protocol 5.
   [[nodiscard]] SetterStatus CartesianLimitOf(std::int32_t id, CartesianLimit& limit);
   [[nodiscard]] RecoveryStatus Recover();
   /// Asks the robot whether it is a twin (fci/twin_sign.h). kNone for any other answer or none: it
@@ -145,6 +148,7 @@ class ArmClient {
 
   const MonotonicClock& clock_;
   const ClientTimeout timeout_;
+  const Protocol protocol_;
   Duration silence_;            ///< longest time without a state
   bool answers_again_ = false;  ///< a state that comes again
   Capture* const capture_;
@@ -159,7 +163,7 @@ class ArmClient {
 
   // The tick's.
   std::array<std::byte, kStateBytes> state_bytes_{};
-  CommandBytes command_bytes_{};
+  AnyCommandBytes command_bytes_{};
   std::uint64_t answered_id_ = 0;  ///< state that command_bytes_ answers; 0: none
   RobotState received_;
   std::uint64_t last_id_ = 0;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "twin/core/modes.h"
@@ -35,6 +36,8 @@ class ArmService {
   [[nodiscard]] virtual RecoveryStatus Recover() = 0;
   /// @param limit  receives the virtual wall `id`.
   [[nodiscard]] virtual SetterStatus CartesianLimitOf(std::int32_t id, CartesianLimit& limit) = 0;
+  /// The robot's URDF. Asked in protocol 10 alone.
+  [[nodiscard]] virtual std::string_view RobotModel() = 0;
   /// Bytes of the model library for this machine; empty if unavailable.
   [[nodiscard]] virtual std::span<const std::byte> ModelLibrary(
       const LoadModelLibrary& machine) = 0;
@@ -61,7 +64,8 @@ using Answers = std::function<void(std::span<const std::byte>)>;
 /// Threads: one.
 class ArmSession {
  public:
-  ArmSession(ArmService& service, Answers answers);
+  /// @param protocol  that the robot speaks.
+  ArmSession(ArmService& service, Answers answers, Protocol protocol = Protocol::k5);
 
   /// @returns nullopt, or the reason to close the connection after the answers are sent: the first
   /// request is not Connect; a second Connect; a Connect with another version (answered with ours)
@@ -90,6 +94,7 @@ class ArmSession {
   Outcome Take(const Setting& setting);
   Outcome Take(const AutomaticErrorRecovery& request);
   Outcome Take(const LoadModelLibrary& machine);
+  Outcome Take(const GetRobotModel& request);
   /// Starts the pending recovery, answers it, or keeps it for another try.
   void TryRecovery();
   void AnswerRecovery(RecoveryStatus status);
@@ -104,7 +109,9 @@ class ArmSession {
 
   ArmService& service_;
   const Answers answers_;
-  FrameHead head_;  ///< of the current request
+  const Protocol protocol_;
+  FrameHead head_;                           ///< of the current request
+  ArmCommand asked_ = ArmCommand::kConnect;  ///< the current request
   std::optional<std::uint16_t> udp_port_;
   std::optional<std::uint32_t> move_;  ///< command_id of the running motion's Move
   std::vector<std::uint32_t> stops_;   ///< StopMoves waiting for the motion's end

@@ -17,24 +17,24 @@ namespace twin::fci {
 
 class RequestChannel;
 
-/// A session with a hand that speaks the Franka Control Interface: commands over TCP, states over
-/// UDP. A command is answered when its action is over; no call blocks until then. Source: FCI
-/// protocol 5, gripper.
+/// A session with a hand or vacuum gripper that speaks the Franka Control Interface: commands over
+/// TCP, states over UDP. A command is answered when its action is over; no call blocks until then.
+/// Source: FCI protocol 5, gripper and vacuum gripper.
 ///
 /// Threads: any. Not for real-time code.
 class HandClient {
  public:
   /// Connects TCP, binds the state socket and checks the protocol version.
-  /// @param capture, @throws  as ArmClient.
+  /// @param capture, @throws  as ArmClient. @param device  that listens there.
   HandClient(const std::string& host, std::uint16_t port, const ClientTimeout& timeout = {},
-             Capture* capture = nullptr);
+             Capture* capture = nullptr, HandDevice device = HandDevice::kFrankaHand);
   ~HandClient();
   HandClient(const HandClient&) = delete;
   HandClient& operator=(const HandClient&) = delete;
 
   /// Sends a command. A command that still runs is aborted and has 1 s to answer, so its outcome is
   /// known on return. Stop, which is answered at once, is treated the same. @returns the ticket,
-  /// above 0.
+  /// above 0. @pre the device has the command.
   /// @throws RobotFault if the connection is lost.
   HandTicket Start(const HandCommand& command);
 
@@ -61,6 +61,7 @@ class HandClient {
   void Update(Sent& sent, Duration timeout);
 
   const ClientTimeout timeout_;
+  const HandDevice device_;
   const std::string name_;  ///< for messages
   std::unique_ptr<Mailbox> states_;
   std::unique_ptr<RequestChannel> channel_;

@@ -20,14 +20,14 @@ class HandService {
   [[nodiscard]] virtual std::optional<HandResult> Outcome(HandTicket ticket) = 0;
 };
 
-/// One client's session with the hand, without sockets or time. Each request is answered once, when
-/// its action is over. Requests are read meanwhile, so that Stop can abort a command. Source: FCI
-/// protocol 5, gripper.
+/// One client's session with the hand or the vacuum gripper, without sockets or time. Each request
+/// is answered once, when its action is over. Requests are read meanwhile, so that Stop can abort a
+/// command. Source: FCI protocol 5, gripper and vacuum gripper.
 ///
 /// Threads: one.
 class HandSession {
  public:
-  HandSession(HandService& service, Answers answers);
+  HandSession(HandService& service, Answers answers, HandDevice device = HandDevice::kFrankaHand);
 
   /// As ArmSession.
   [[nodiscard]] std::optional<std::string> OnFrame(const Frame& frame);
@@ -41,7 +41,7 @@ class HandSession {
   /// A running command.
   struct Pending {
     HandTicket ticket = 0;
-    HandCommandId command{};
+    HandCommandId command{};  ///< as numbered by the device
     std::uint32_t command_id = 0;
   };
 
@@ -50,6 +50,7 @@ class HandSession {
 
   HandService& service_;
   const Answers answers_;
+  const HandDevice device_;
   std::optional<std::uint16_t> udp_port_;
   std::vector<Pending> pending_;  ///< in order of arrival
 };

@@ -16,8 +16,8 @@
 #include "twin/core/setting.h"
 #include "twin/fci/protocol.h"
 
-// Encodes and decodes the TCP frames of the Franka Control Interface: requests and answers of arm
-// and hand. Source: FCI protocol 5, TCP commands, gripper.
+// Encodes and decodes the TCP frames of the Franka Control Interface: requests and answers of arm,
+// hand and vacuum gripper. Source: FCI protocol 5, TCP commands, gripper, vacuum gripper.
 namespace twin::fci {
 
 // A message's kName is its name as clients of the real robot print it.
@@ -44,6 +44,10 @@ struct Move {
   MotionModes modes;
   Deviation maximum_path_deviation;
   Deviation maximum_goal_pose_deviation;
+  /// Protocol 10: whether commands are goals, as MotionModes::asynchronous; and the largest joint
+  /// velocities towards them, rad/s.
+  bool asynchronous = false;
+  JointVector maximum_velocity{};
 };
 
 struct StopMove {
@@ -65,10 +69,15 @@ struct LoadModelLibrary {
   OperatingSystem system = OperatingSystem::kLinux;
 };
 
-using ArmRequest = std::variant<Connect, Move, StopMove, GetCartesianLimit, Setting,
-                                AutomaticErrorRecovery, LoadModelLibrary>;
+/// Requests the robot's URDF. Protocol 10.
+struct GetRobotModel {
+  static constexpr std::string_view kName = "Get Robot Model";
+};
 
-/// Connect, or a command to the hand.
+using ArmRequest = std::variant<Connect, Move, StopMove, GetCartesianLimit, Setting,
+                                AutomaticErrorRecovery, LoadModelLibrary, GetRobotModel>;
+
+/// Connect, or a command to the hand or the vacuum gripper.
 using HandRequest = std::variant<Connect, HandCommand>;
 
 /// A virtual wall, as reported by the robot.
@@ -80,7 +89,8 @@ struct CartesianLimit {
 
 /// Head of a frame, arm or hand.
 struct FrameHead {
-  std::uint32_t command = 0;  ///< ArmCommand or HandCommandId; may be unknown
+  /// Number of an ArmCommand; HandCommandId or VacuumCommandId. May be unknown.
+  std::uint32_t command = 0;
   std::uint32_t command_id = 0;
   std::uint32_t size = 0;  ///< bytes of head and payload
 };
@@ -101,21 +111,39 @@ struct BadFrame {
 /// machine in LoadModelLibrary pass. An unknown mode in a Move becomes ControllerMode::kOther or
 /// MotionGeneratorMode::kIdle, which INT refuses as an invalid argument. Threads: any. May
 /// allocate, for the text only.
-[[nodiscard]] std::variant<ArmRequest, BadFrame> ParseArmRequest(const Frame& frame);
+[[nodiscard]] std::variant<ArmRequest, BadFrame> ParseArmRequest(const Frame& frame,
+                                                                 Protocol protocol = Protocol::k5);
 [[nodiscard]] std::variant<HandRequest, BadFrame> ParseHandRequest(const Frame& frame);
+[[nodiscard]] std::variant<HandRequest, BadFrame> ParseVacuumRequest(const Frame& frame);
 
 /// The command that identifies the request on the wire.
 [[nodiscard]] ArmCommand CommandOf(const ArmRequest& request) noexcept;
 
 /// Encodes a whole frame. A Move with kOther or kIdle gets a number that no mode uses.
+/// @pre the protocol has the request.
 [[nodiscard]] std::vector<std::byte> EncodeRequest(std::uint32_t command_id,
-                                                   const ArmRequest& request);
+                                                   const ArmRequest& request,
+                                                   Protocol protocol = Protocol::k5);
 [[nodiscard]] std::vector<std::byte> EncodeRequest(std::uint32_t command_id,
                                                    const HandRequest& request);
+/// For the vacuum gripper. @pre  for both: the device has the command.
+[[nodiscard]] std::vector<std::byte> EncodeVacuumRequest(std::uint32_t command_id,
+                                                         const HandRequest& request);
+
+/// A status' number on the wire: in protocol 10 statuses for safety functions stand between those
+/// that protocol 5 has. The inverse is TakeStatus().
+[[nodiscard]] std::uint8_t StatusNumber(Protocol protocol, ArmCommand command,
+                                        std::uint8_t status) noexcept;
+/// @returns the status of protocol 5 that `number` means; that of a rejection or an abortion by a
+/// safety function is the nearest one there. An unknown number stays unknown.
+[[nodiscard]] std::uint8_t TakeStatus(Protocol protocol, ArmCommand command,
+                                      std::uint8_t number) noexcept;
 
 /// Encodes an arm's answer that is only a status. @param command  the answered command.
+/// @param status  its number in protocol 5. @pre the protocol has the command.
 [[nodiscard]] std::vector<std::byte> EncodeArmAnswer(ArmCommand command, std::uint32_t command_id,
-                                                     std::uint8_t status);
+                                                     std::uint8_t status,
+                                                     Protocol protocol = Protocol::k5);
 /// Encodes Connect's answer. @param version  the server's.
 [[nodiscard]] std::vector<std::byte> EncodeArmConnectAnswer(std::uint32_t command_id,
                                                             ConnectStatus status,
@@ -123,10 +151,14 @@ struct BadFrame {
 [[nodiscard]] std::vector<std::byte> EncodeCartesianLimitAnswer(std::uint32_t command_id,
                                                                 SetterStatus status,
                                                                 const CartesianLimit& limit);
+/// Encodes GetRobotModel's answer: success and the URDF.
+[[nodiscard]] std::vector<std::byte> EncodeRobotModelAnswer(std::uint32_t command_id,
+                                                            std::string_view urdf);
 /// Encodes LoadModelLibrary's answer. @param library  its bytes; empty unless success.
 [[nodiscard]] std::vector<std::byte> EncodeModelLibraryAnswer(std::uint32_t command_id,
                                                               ModelLibraryStatus status,
                                                               std::span<const std::byte> library);
+/// Encodes an answer of hand or vacuum gripper. @param command  the request's number, of either.
 [[nodiscard]] std::vector<std::byte> EncodeHandAnswer(HandCommandId command,
                                                       std::uint32_t command_id, HandResult result);
 [[nodiscard]] std::vector<std::byte> EncodeHandConnectAnswer(std::uint32_t command_id,
@@ -135,12 +167,13 @@ struct BadFrame {
 
 /// The arm's answer: a status and its data.
 struct ArmAnswer {
-  std::uint8_t status = 0;
-  std::uint16_t version = 0;           ///< Connect
-  CartesianLimit limit;                ///< GetCartesianLimit
-  std::span<const std::byte> library;  ///< LoadModelLibrary; points into the frame's payload
+  std::uint8_t status = 0;    ///< its number in protocol 5
+  std::uint16_t version = 0;  ///< Connect
+  CartesianLimit limit;       ///< GetCartesianLimit
+  /// LoadModelLibrary and GetRobotModel: library or URDF; points into the frame's payload.
+  std::span<const std::byte> library;
 };
-/// The hand's answer.
+/// The answer of hand or vacuum gripper.
 struct HandAnswer {
   HandResult result = HandResult::kFail;  ///< Connect: kSuccess, or kFail for another version
   std::uint16_t version = 0;              ///< Connect
@@ -149,9 +182,11 @@ struct HandAnswer {
 /// command_id, and ignores surplus bytes. An unknown status is a BadFrame for the hand; for the arm
 /// the caller checks it.
 /// @param asked  the request with the frame's command_id.
-[[nodiscard]] std::variant<ArmAnswer, BadFrame> ParseArmAnswer(ArmCommand asked,
-                                                               const Frame& frame);
+[[nodiscard]] std::variant<ArmAnswer, BadFrame> ParseArmAnswer(ArmCommand asked, const Frame& frame,
+                                                               Protocol protocol = Protocol::k5);
 [[nodiscard]] std::variant<HandAnswer, BadFrame> ParseHandAnswer(HandCommandId asked,
+                                                                 const Frame& frame);
+[[nodiscard]] std::variant<HandAnswer, BadFrame> ParseHandAnswer(VacuumCommandId asked,
                                                                  const Frame& frame);
 
 }  // namespace twin::fci

@@ -17,11 +17,12 @@ struct TranscriptOptions {
   bool fields = true;  ///< true: every field of every message; false: one line per message
   std::uint16_t arm_port = kArmPort;
   std::uint16_t hand_port = kHandPort;
+  std::uint16_t vacuum_port = kVacuumPort;
 };
 
-/// Prints a capture for users, message by message: states, commands, requests and answers of arm
-/// and hand. It reassembles TCP streams from their packets and labels an answer with its request.
-/// Data outside the protocol is printed as such.
+/// Prints a capture for users, message by message: states, commands, requests and answers of
+/// arm, hand and vacuum gripper. It reassembles TCP streams from their packets and labels an answer
+/// with its request. Data outside the protocol is printed as such.
 ///
 ///     12.345678901 s  127.0.0.1:40000 > 127.0.0.1:1337  request 7: Move
 ///         modes = joint_impedance joint_position
@@ -48,13 +49,17 @@ class Transcript {
 // Messages as text, one line per field: "    q = 0 -0.785 ...\n". Numbers read back to the same
 // bits.
 
-[[nodiscard]] std::string FieldsOf(const RobotState& state);
+// @param protocol  whose fields are printed.
+
+[[nodiscard]] std::string FieldsOf(const RobotState& state, Protocol protocol = Protocol::k5);
 [[nodiscard]] std::string FieldsOf(const RobotCommand& command);
 [[nodiscard]] std::string FieldsOf(const HandState& state);
-[[nodiscard]] std::string FieldsOf(const ArmRequest& request);
+[[nodiscard]] std::string FieldsOf(const VacuumState& state);
+[[nodiscard]] std::string FieldsOf(const ArmRequest& request, Protocol protocol = Protocol::k5);
 [[nodiscard]] std::string FieldsOf(const HandRequest& request);
 /// The fields of an answer to `asked`, its status in words.
 [[nodiscard]] std::string FieldsOf(ArmCommand asked, const ArmAnswer& answer);
 [[nodiscard]] std::string FieldsOf(HandCommandId asked, const HandAnswer& answer);
+[[nodiscard]] std::string FieldsOf(VacuumCommandId asked, const HandAnswer& answer);
 
 }  // namespace twin::fci

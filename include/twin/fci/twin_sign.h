@@ -3,6 +3,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <string_view>
 
 #include "twin/fci/requests.h"
 
@@ -52,6 +53,16 @@ enum class TwinKind : std::uint8_t {
   }
   const auto waits = std::bit_cast<std::array<char, sizeof(double)>>(wall.object_frame[0]);
   return waits == kLockstepText ? TwinKind::kInLockstep : TwinKind::kOnClock;
+}
+
+/// In protocol 10, which has no virtual walls, the URDF of a twin ends with one of these comments.
+inline constexpr std::string_view kTwinComment = "<!-- panda-twin: no real arm -->\n";
+inline constexpr std::string_view kLockstepComment = "<!-- panda-twin: no real arm, lockstep -->\n";
+
+/// What the URDF of a robot's answer to GetRobotModel says.
+[[nodiscard]] constexpr TwinKind TwinKindOf(std::string_view urdf) noexcept {
+  if (urdf.ends_with(kLockstepComment)) return TwinKind::kInLockstep;
+  return urdf.ends_with(kTwinComment) ? TwinKind::kOnClock : TwinKind::kNone;
 }
 
 }  // namespace twin::fci

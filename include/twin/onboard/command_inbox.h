@@ -31,6 +31,12 @@ class CommandInbox {
   /// @param answered_id  id of the last state sent.
   /// @returns the selected command, valid until the next Push, or null.
   [[nodiscard]] const RobotCommand* Select(std::uint64_t answered_id,
+                                           Time deadline) noexcept TWIN_REALTIME {
+    return Select(answered_id, answered_id, deadline);
+  }
+  /// The same in an asynchronous motion, whose commands may answer an older state.
+  /// @param oldest_id  of the states that count.
+  [[nodiscard]] const RobotCommand* Select(std::uint64_t oldest_id, std::uint64_t answered_id,
                                            Time deadline) noexcept TWIN_REALTIME;
 
   /// Commands dropped between the last two calls of Select(): late, invalid, superseded and

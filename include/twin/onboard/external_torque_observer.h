@@ -28,8 +28,8 @@ namespace twin::onboard {
 /// Threads: one. Real-time: noexcept, allocates nothing.
 class ExternalTorqueObserver {
  public:
-  /// @param gain  K, 1/s, > 0.
-  explicit ExternalTorqueObserver(double gain) noexcept;
+  /// @param arm  the model. @param gain  K, 1/s, > 0.
+  ExternalTorqueObserver(const model::ArmModel& arm, double gain) noexcept;
 
   /// Restarts at zero. @param q  of the sensors.
   void Reset(const JointSensors& sensors, const model::Configuration& q) noexcept TWIN_REALTIME;
@@ -41,6 +41,7 @@ class ExternalTorqueObserver {
   [[nodiscard]] const JointVector& tau_ext_hat() const noexcept { return tau_ext_hat_; }  ///< Nm
 
  private:
+  model::ArmModel arm_;
   double share_;  ///< weight of a cycle's residual: 1 - e^(-K T)
   model::Configuration last_q_;
   JointVector last_dq_{};

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -8,6 +7,7 @@
 #include "twin/core/body_interface.h"
 #include "twin/core/hand_command.h"
 #include "twin/core/realtime.h"
+#include "twin/onboard/hand_outcomes.h"
 
 namespace twin::onboard {
 
@@ -52,9 +52,10 @@ class Gripper {
   /// invalid value is refused, and the running one continues.
   HandStart Start(const HandCommand& command) noexcept TWIN_REALTIME;
 
-  /// @returns how the command ended; nullopt while it runs and for an unknown ticket. Keeps the
-  /// results of the last kRemembered commands; earlier ones count as aborted.
-  [[nodiscard]] std::optional<HandResult> Outcome(HandTicket ticket) const noexcept TWIN_REALTIME;
+  /// As HandOutcomes.
+  [[nodiscard]] std::optional<HandResult> Outcome(HandTicket ticket) const noexcept TWIN_REALTIME {
+    return outcomes_.Of(ticket);
+  }
 
   /// Advances by 1 ms. @param sensors  after the last cycle.
   [[nodiscard]] HandDrive Cycle(const HandSensors& sensors) noexcept TWIN_REALTIME;
@@ -62,7 +63,7 @@ class Gripper {
   /// As of the last Cycle().
   [[nodiscard]] const HandState& state() const noexcept { return state_; }
 
-  static constexpr std::size_t kRemembered = 8;
+  static constexpr std::size_t kRemembered = HandOutcomes::kRemembered;
 
  private:
   enum class Phase : std::uint8_t {
@@ -78,9 +79,11 @@ class Gripper {
   void Take(const hand::Move& move) noexcept;
   void Take(const hand::Grasp& grasp) noexcept;
   void Take(const hand::Stop& stop) noexcept;
+  void Take(const hand::Vacuum& /*none*/) noexcept {}  // refused: the pump's
+  void Take(const hand::DropOff& /*none*/) noexcept {}
   /// Starts a motion of the reference at the fingers' position.
   void BeginMotion(Phase phase, double target, double speed, double force) noexcept;
-  void End(HandResult result) noexcept;
+  void End(HandResult result) noexcept { outcomes_.End(result); }
   /// Releases the force, then holds the current opening.
   void Relax() noexcept;
 
@@ -114,14 +117,7 @@ class Gripper {
   int still_cycles_ = 0;    ///< cycles at rest
   int phase_cycles_ = 0;    ///< cycles since the phase began
   double temperature_ = 0;
-
-  struct Entry {
-    HandTicket ticket = 0;
-    std::optional<HandResult> result;
-  };
-  std::array<Entry, kRemembered> entries_{};
-  HandTicket last_ticket_ = 0;
-  HandTicket running_ = 0;  ///< zero: none
+  HandOutcomes outcomes_;
 };
 
 }  // namespace twin::onboard

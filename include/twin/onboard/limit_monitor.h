@@ -28,8 +28,9 @@ inline constexpr StepErrors kInverseKinematicsErrors{
 ///
 /// Precedence: discontinuity before envelope. When acceleration or jerk exceeds its limit, only
 /// these two are reported (a step breaks both), since excess position and velocity are
-/// consequences. Otherwise velocity and position are checked independently. Source: FCI protocol 5,
-/// error table and conditions.
+/// consequences. Otherwise velocity and position are checked independently; a velocity limit that
+/// depends on the position is that at the position before the step. Source: FCI protocol 5, error
+/// table and conditions.
 ///
 /// Threads: any. Real-time: noexcept, allocates nothing.
 ///

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "twin/core/joint_vector.h"
 #include "twin/core/limits.h"
@@ -63,8 +64,8 @@ class MotionGenerator {
   /// Whether the arm is singular, so that no Cartesian motion can start.
   [[nodiscard]] bool IsSingular() const noexcept TWIN_REALTIME;
 
-  /// Starts a motion; the reference rests at q_d. @pre at rest; mode is not kIdle.
-  void Start(MotionGeneratorMode mode) noexcept TWIN_REALTIME;
+  /// Starts a motion; the reference rests at q_d. @pre at rest; the generator is not kIdle.
+  void Start(const MotionModes& modes) noexcept TWIN_REALTIME;
 
   /// One cycle at rest (before the first command).
   void Rest() noexcept TWIN_REALTIME;
@@ -74,7 +75,8 @@ class MotionGenerator {
   [[nodiscard]] Violations Take(const RobotCommand& command, bool is_first,
                                 std::uint64_t message_id) noexcept TWIN_REALTIME;
 
-  /// Without a command: holds the acceleration if that violates no limit.
+  /// Without a command: holds the acceleration if that violates no limit; in an asynchronous motion
+  /// goes on towards the goal.
   [[nodiscard]] Violations Hold(std::uint64_t message_id) noexcept TWIN_REALTIME;
 
   /// Checks whether two cycles at the present reference break a limit. Used after Take() for a
@@ -110,6 +112,8 @@ class MotionGenerator {
   [[nodiscard]] CartesianReference Commanded(const RobotCommand& command) const noexcept;
   [[nodiscard]] Violations CheckCommand(const RobotCommand& command, const CartesianReference& next,
                                         bool is_first, std::uint64_t message_id) const noexcept;
+  [[nodiscard]] Violations TakeGoal(const JointVector& q_c, std::uint64_t message_id) noexcept;
+  [[nodiscard]] Violations Approach(std::uint64_t message_id) noexcept;
   [[nodiscard]] Violations CheckStartPosition(const JointVector& q_c,
                                               std::uint64_t message_id) const noexcept;
   [[nodiscard]] Violations AdvanceJoints(const JointReference& next,
@@ -137,7 +141,9 @@ class MotionGenerator {
   KinematicCompletion completion_;
 
   MotionGeneratorMode mode_ = MotionGeneratorMode::kIdle;
-  bool has_elbow_ = false;  ///< in the last command
+  std::optional<JointVector> asynchronous_;  ///< as MotionModes::asynchronous
+  JointVector goal_{};                       ///< of an asynchronous motion, rad
+  bool has_elbow_ = false;                   ///< in the last command
   KinematicCompletion::Lag lag_{};
   JointReference joints_;
   CartesianReference cartesian_;

@@ -16,6 +16,10 @@ namespace twin::onboard {
 struct OnboardConfig {
   JointLimits limits;
   CartesianLimits cartesian;
+  /// The arm's rigid-body model, by which INT reckons gravity, inertia and contacts.
+  model::ArmModel arm = model::ArmModel::Panda();
+  /// Whether states have accelerometer values (FR3).
+  bool has_accelerometers = false;
 
   /// Initial values of what setters change.
   setting::JointImpedance joint_impedance;

@@ -10,6 +10,7 @@
 #include "twin/core/rest.h"
 #include "twin/core/robot_state.h"
 #include "twin/core/setting.h"
+#include "twin/onboard/accelerometers.h"
 #include "twin/onboard/cartesian_impedance.h"
 #include "twin/onboard/friction_compensation.h"
 #include "twin/onboard/guiding.h"
@@ -47,13 +48,18 @@ namespace twin::onboard {
 /// External controller. From the first accepted command on, the commanded torque drives the joints:
 ///   tau = tau_J_d + share tau_f(dq) + g(q),   tau_J_d = the last accepted command.
 /// The generator then only forms and checks q_d, dq_d, ddq_d; a pure torque motion is a joint
-/// velocity motion with dq_c = 0. Before that command the internal controller holds the arm and
-/// tau_J_d is its torque, so a client that continues from the reported tau_J_d starts smoothly. A
-/// torque above tau_max is accepted and applied cut to tau_max. When the motion ends (finished,
-/// StopMove or abort) the internal joint controller takes over: the reference restarts at the
-/// measured q and dq with ddq = 0 and ramps down (StopStep); it never returns to the generator's
-/// q_d. The torque of a finishing command acts for its cycle; the arm then comes to rest still in
-/// Move, and the motion ends with Success.
+/// velocity motion with dq_c = 0, or one without a generator (kNone), in which q_d stands still.
+/// Before that command the internal controller holds the arm and tau_J_d is its torque, so a client
+/// that continues from the reported tau_J_d starts smoothly. A torque above tau_max is accepted and
+/// applied cut to tau_max. When the motion ends (finished, StopMove or abort) the internal joint
+/// controller takes over: the reference restarts at the measured q and dq with ddq = 0 and ramps
+/// down (StopStep); it never returns to the generator's q_d. The torque of a finishing command acts
+/// for its cycle; the arm then comes to rest still in Move, and the motion ends with Success.
+///
+/// Asynchronous motions (MotionModes::asynchronous). A command is a goal; ApproachStep() forms the
+/// reference. Commands come at any time, so that none counts as lost and the first one has no
+/// deadline. A goal outside a joint's range is refused as a position beyond its limit. A finishing
+/// command has no goal: INT brakes, then ends the motion with Success.
 ///
 /// Aborts. The violating command is not applied. The same state shows robot_mode Reflex, modes
 /// idle, errors and reflex_reason, and success rate 0. The reference ramps down within its limits
@@ -145,6 +151,15 @@ class OnboardController {
 
   /// Id of the last state filled; 0 before the first.
   [[nodiscard]] std::uint64_t message_id() const noexcept { return message_id_; }
+  /// An asynchronous motion is under way.
+  [[nodiscard]] bool is_asynchronous() const noexcept {
+    return phase_ != Phase::kNone && modes_.asynchronous;
+  }
+  /// Id of the oldest state that a command may answer: the last one's; in an asynchronous motion
+  /// the first one's of the motion.
+  [[nodiscard]] std::uint64_t oldest_answered() const noexcept {
+    return is_asynchronous() ? motion_id_ : message_id_;
+  }
   /// Fate of the command of the last Cycle().
   [[nodiscard]] record::CommandFate fate() const noexcept { return fate_; }
   [[nodiscard]] std::uint32_t lost_in_row() const noexcept { return losses_.lost_in_row(); }
@@ -219,7 +234,6 @@ class OnboardController {
   void FillModes(RobotState& state) const noexcept;
 
   OnboardConfig config_;
-  const model::ArmModel& arm_;
   ArmSetup setup_;
   MotionGenerator generator_;
   Sensing sensing_;
@@ -227,6 +241,7 @@ class OnboardController {
   CartesianImpedance cartesian_impedance_;
   Guiding guiding_;
   FrictionCompensation friction_;
+  Accelerometers accelerometers_;
   reference::LowPass torque_filter_;
 
   RobotMode robot_mode_ = RobotMode::kIdle;
@@ -234,6 +249,7 @@ class OnboardController {
   MotionModes modes_;
   LossMonitor losses_;
   std::uint64_t motions_begun_ = 0;
+  std::uint64_t motion_id_ = 0;  ///< of the first state of the last motion
   std::uint32_t cycles_waited_ = 0;
   std::uint32_t recovery_cycles_left_ = 0;
   bool brakes_closed_ = false;    ///< by the switch; the user stop closes them independently

@@ -23,6 +23,7 @@ namespace twin::onboard {
 struct SensingConfig {
   JointLimits joints;
   CartesianLimits cartesian;
+  model::ArmModel arm = model::ArmModel::Panda();
 
   /// Gain of the external torque observer, 1/s, in (0, 1000]. Its inverse, 10 ms, is the time
   /// constant of a push: fast enough for a collision, slow enough that the noise of dq, amplified
@@ -94,6 +95,7 @@ class Sensing {
   void Measure(const JointSensors& sensors, const ArmSetup& setup) noexcept;
 
   double wrench_gain_max_;
+  model::ArmModel model_;
   ExternalTorqueObserver observer_;
   ExternalWrench wrench_;
   ContactMonitor contacts_;

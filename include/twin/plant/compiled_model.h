@@ -36,8 +36,8 @@ struct CompiledModel {
 /// @returns the arm's joint positions in `qpos`, rad. @pre qpos has the model's size.
 [[nodiscard]] JointVector ArmIn(const CompiledModel& compiled, std::span<const double> qpos);
 
-/// @returns the pose in the world of O, the arm's base, for `qpos`; the identity without a mobile
-/// base. @pre qpos has the model's size.
+/// @returns the pose in the world of O, the arm's base, for `qpos`; MujocoPlantOptions::pose
+/// without a mobile base. @pre qpos has the model's size.
 [[nodiscard]] Transform ArmBaseIn(const CompiledModel& compiled, std::span<const double> qpos);
 
 /// Moves a mobile base to a pose of its odometry, level; no effect without a base.

@@ -47,6 +47,18 @@ struct BaseTilt {
   bool operator==(const BaseTilt&) const = default;
 };
 
+/// Where the base O of an arm stands in the world W: upright, turned about z.
+struct ArmPose {
+  Vector3 position{};  ///< m, each in [-100, 100]
+  double yaw = 0;      ///< rad, in [-2 pi, 2 pi]
+
+  /// X_WO.
+  [[nodiscard]] Transform Matrix() const noexcept;
+  bool operator==(const ArmPose&) const = default;
+};
+
+class SharedModel;
+
 /// Options of a MuJoCo plant.
 struct MujocoPlantOptions {
   std::filesystem::path urdf;        ///< the arm
@@ -69,7 +81,14 @@ struct MujocoPlantOptions {
   /// Roll and pitch of the base with its surroundings against gravity, rad: the base is rotated by
   /// R = R_y(pitch) R_x(roll) from level. Not with a mobile base, whose tyres set its tilt.
   BaseTilt base_tilt;
-  /// The mobile base that carries the arm; absent: the arm is fixed to the world, O at its origin.
+  /// Of O in the world, of an arm without a mobile base.
+  ArmPose pose;
+  /// Begins the names of the arm's bodies, joints and shapes in a model of several arms: "left/".
+  std::string prefix;
+  /// The model of several arms in which this one has the place of `prefix`; null: a model of its
+  /// own.
+  std::shared_ptr<SharedModel> shared{};
+  /// The mobile base that carries the arm; absent: the arm is fixed to the world, at `pose`.
   std::optional<BaseOptions> base{};
   /// A body fixed to the flange, independent of INT's configured load. Zero inertia means that of a
   /// steel ball.
@@ -94,7 +113,8 @@ struct MujocoPlantOptions {
 /// returns NaN, every further Step() only increments warning_count(), and Reset() restarts.
 class MujocoPlant : public Plant, public TruthProbe {
  public:
-  /// Composes (or loads from the cache) and compiles.
+  /// Composes (or loads from the cache) and compiles; takes its place in options.shared, if there
+  /// is one.
   /// @throws InputError for a bad URDF, mesh or scene, naming file and element, and for a bad load
   /// or perturbation, or one of an unknown body (listing the known ones); EnvironmentError for a
   /// corrupt cache entry or a folder that is not writable, naming the path and the cure.

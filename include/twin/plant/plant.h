@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "twin/core/body_interface.h"
+#include "twin/core/hand_command.h"
 #include "twin/core/mobile_base.h"
 #include "twin/core/realtime.h"
 
@@ -15,7 +16,13 @@ namespace twin::plant {
 enum class HandKind : std::uint8_t {
   kNone,
   kFrankaHand,  ///< the Franka Hand: two fingers on slides with one drive
+  kCobotPump,   ///< the cobot pump: suction cups on one vacuum pump
 };
+
+/// @pre there is a hand.
+[[nodiscard]] constexpr HandDevice DeviceOf(HandKind kind) noexcept {
+  return kind == HandKind::kCobotPump ? HandDevice::kCobotPump : HandDevice::kFrankaHand;
+}
 
 /// The hand's body: force in, motion of the fingers out. It advances in its plant's Step().
 ///
@@ -29,6 +36,21 @@ class HandBody {
 
   /// Sensors after the last Step() or Reset(). Reset() leaves the hand open.
   [[nodiscard]] virtual const HandSensors& sensors() const noexcept = 0;
+};
+
+/// The vacuum gripper's body: pump and valve in, vacuum out. It advances in its plant's Step().
+///
+/// Threads: the plant's. Real-time: noexcept, allocates nothing.
+class SuctionBody {
+ public:
+  virtual ~SuctionBody() = default;
+
+  /// Sets pump and valve from the plant's next Step() on, until the next call. Plant::Reset() stops
+  /// the pump and opens the valve.
+  virtual void Drive(const PumpDrive& drive) noexcept TWIN_REALTIME = 0;
+
+  /// Sensors after the last Step() or Reset(). Reset() leaves no vacuum.
+  [[nodiscard]] virtual const PumpSensors& sensors() const noexcept = 0;
 };
 
 /// A mobile base under the arm: a URDF with a link named `arm_mount`, the pose of the arm's base O,
@@ -114,8 +136,17 @@ class Plant {
   /// Sensors after the last Step() or Reset().
   [[nodiscard]] virtual const JointSensors& sensors() const noexcept = 0;
 
-  /// The hand on the flange, owned by the plant; null without one.
+  /// Whoever drives this plant will only hold it from now on. Real-time: noexcept.
+  virtual void StandBy() noexcept TWIN_REALTIME {}
+  /// Whether another arm of the same model still moves, so that this one must go on to be driven:
+  /// false once all stand by, and of an arm alone.
+  [[nodiscard]] virtual bool is_awaited() const noexcept TWIN_REALTIME { return false; }
+
+  /// The hand on the flange, owned by the plant; null without one that has fingers.
   [[nodiscard]] virtual HandBody* hand() noexcept { return nullptr; }
+
+  /// The vacuum gripper on the flange, owned by the plant; null without one.
+  [[nodiscard]] virtual SuctionBody* suction() noexcept { return nullptr; }
 
   /// The mobile base below the arm, owned by the plant; null if the arm is fixed to the world.
   [[nodiscard]] virtual BaseBody* base() noexcept { return nullptr; }

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <span>
+#include <string>
 
 struct mjModel_;
 struct mjData_;
@@ -20,10 +21,13 @@ class TruthProbe {
   [[nodiscard]] virtual const mjModel_& model() const noexcept = 0;
   /// The plant's data after the last step, owned by the plant.
   [[nodiscard]] virtual const mjData_& data() const noexcept = 0;
-  /// Number of generalised positions.
+  /// Number of generalised positions; of one arm among several, those without the other arms, so
+  /// that a model of this arm alone draws them.
   [[nodiscard]] virtual std::size_t qpos_size() const noexcept = 0;
   /// Copies the generalised positions. @pre out.size() == qpos_size().
   virtual void CopyQpos(std::span<double> out) const noexcept = 0;
+  /// What the names of this arm's bodies begin with, in a model of several arms: "left/".
+  [[nodiscard]] virtual const std::string& prefix() const noexcept = 0;
 };
 
 }  // namespace twin::plant

@@ -20,7 +20,7 @@ namespace twin::proxy {
 struct ProxyConfig {
   std::uint32_t address = 0x7f000001;        ///< of this machine, on which to listen; 127.0.0.1
   std::uint16_t arm_port = fci::kArmPort;    ///< 0: any free port
-  std::uint16_t hand_port = fci::kHandPort;  ///< as arm_port
+  std::optional<std::uint16_t> hand_port{};  ///< as arm_port; absent: fci::kHandPort
   /// Network that may connect, besides this machine; absent: this machine only.
   std::optional<fci::Network> allow;
   fci::Endpoint robot_arm;          ///< TCP address of the robot's arm

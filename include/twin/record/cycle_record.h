@@ -70,6 +70,11 @@ struct TickRecord {
   RobotCommand command;  ///< as written; all zero without one
 };
 
+/// Whether the tick wrote a command of its command chain; not that of a stop before a lab's limit.
+[[nodiscard]] constexpr bool WroteCommand(const TickRecord& tick) noexcept {
+  return tick.action == TickAction::kWritten || tick.action == TickAction::kFinished;
+}
+
 /// Receives the records of a run off the tick.
 ///
 /// Threads: each method from the one thread that produces its records (lockstep: one for both).

@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace twin::record {
 
@@ -16,6 +17,9 @@ struct McapWriterOptions {
   std::string library = "panda-twin";  ///< text of the header; must not name a machine or a time
   std::size_t chunk_bytes = std::size_t{512} * 1024;  ///< uncompressed size limit of a chunk
   int zstd_level = 1;                                 ///< compression of the chunks, 1 (fast) .. 19
+  /// Sequence number of each channel's first message, by id; those that are missing are 0.
+  std::vector<std::uint32_t> first_sequences{};
+  bool is_synced = false;  ///< the finished file is on the disk (PartialFile::CommitSynced)
 };
 
 /// Contents of a finished file.
@@ -64,6 +68,11 @@ class McapWriter {
   /// @returns the buffer for its data, to be filled before the next call.
   std::span<std::byte> AddMessage(std::uint16_t channel, std::uint64_t log_time_ns,
                                   std::size_t size);
+
+  /// Sequence number of each channel's next message, by id: where the next file of a log goes on.
+  [[nodiscard]] std::vector<std::uint32_t> next_sequences() const;
+  /// Length of the file without the open chunk.
+  [[nodiscard]] std::uint64_t bytes() const noexcept;
 
   /// Writes the open chunk, unless it is empty.
   void Flush();

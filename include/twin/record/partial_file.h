@@ -40,6 +40,10 @@ class PartialFile {
   /// Closes the file and renames it to its own name, replacing an existing file.
   void Commit();
 
+  /// As Commit(), after the file's bytes are on the disk; then so is its name. A loss of power
+  /// afterwards leaves the file whole.
+  void CommitSynced();
+
   [[nodiscard]] std::uint64_t size() const noexcept { return size_; }
   [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
 

@@ -14,6 +14,7 @@
 #include "twin/core/time.h"
 #include "twin/record/cycle_record.h"
 #include "twin/record/log_records.h"
+#include "twin/record/log_split.h"
 #include "twin/record/scene_record.h"
 #include "twin/record/write_failure.h"
 
@@ -28,11 +29,11 @@ enum class FullRing {
 /// Contents of a finished recording.
 struct RecordingSummary {
   std::uint64_t messages = 0;
-  std::uint64_t bytes = 0;    ///< length of the file
+  std::uint64_t bytes = 0;    ///< length of the files
   std::uint64_t dropped = 0;  ///< records and events dropped at a full ring; always 0 with kWait
 };
 
-/// Records a run into an MCAP file with protobuf messages.
+/// Records a run into an MCAP file, or several (LogSplit), with protobuf messages.
 ///
 /// kWait: one producer thread, one ring. The file has the order of the calls, and the same calls
 /// give the same bytes.
@@ -67,9 +68,9 @@ class Recorder final : public RecordSink {
   /// Uncompressed size limit of a chunk.
   static constexpr std::size_t kChunkBytes = std::size_t{512} * 1024;
 
-  /// Creates `<path>.partial`. @throws EnvironmentError if it cannot.
+  /// Creates `<path>.partial`, or that of the first file. @throws EnvironmentError if it cannot.
   Recorder(const std::filesystem::path& path, const RunInfo& run, FullRing full_ring,
-           std::size_t chunk_bytes = kChunkBytes);
+           const LogSplit& split = {}, std::size_t chunk_bytes = kChunkBytes);
   /// Without Finish(): writes the records that were put and leaves `<path>.partial`.
   ~Recorder() override;
   Recorder(const Recorder&) = delete;

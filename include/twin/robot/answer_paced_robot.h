@@ -33,7 +33,8 @@ struct LockstepOptions {
 ///     first command                    clients need two states of a motion before they command)
 ///     from the first command on,       state k -> wait for a command that answers k -> cycle k+1
 ///     until a state is idle again
-///     stopping, after a reflex         a cycle every 1 ms of the wall clock
+///     stopping, after a reflex,        a cycle every 1 ms of the wall clock
+///     asynchronous motion of an FR3
 ///
 /// With a pace p, no cycle begins before its time on the wall clock, one every 1 / p ms, motion or
 /// not. Delays of up to 100 ms, of the host or of answers, are made up for: programs that pace
@@ -120,6 +121,7 @@ class AnswerPacedRobot final : public ThreadedRobot {
     kStarting,  ///< none: no command yet
     kAnswered,  ///< one to every state
     kStopping,  ///< none
+    kFree,      ///< none: an asynchronous motion
   };
 
   void OnEvent(Time now, std::uint64_t message_id) noexcept override;

@@ -84,6 +84,11 @@ class Robot final : private rt::EventHandler {
 
   [[nodiscard]] const RobotConfig& config() const noexcept { return config_; }
 
+  /// From now on INT only holds the arm: the sink gets no more records. Between two events.
+  void StandBy() noexcept;
+  /// As plant::Plant.
+  [[nodiscard]] bool is_awaited() const noexcept { return plant_->is_awaited(); }
+
   /// Starts the cycles at the queue's present time; the first is due one period later. Once.
   void Begin() noexcept;
 
@@ -106,7 +111,8 @@ class Robot final : private rt::EventHandler {
   }
   [[nodiscard]] bool Operate(PanelAction action) noexcept { return live_.onboard.Operate(action); }
 
-  /// Whether a hand is mounted. Its requests: see onboard::Gripper. @pre for them: mounted.
+  /// Whether a hand is mounted, of the kind that the config says. Its requests: see
+  /// onboard::Gripper and onboard::VacuumPump. @pre for them: mounted.
   [[nodiscard]] bool has_hand() const noexcept { return live_.hand.has_value(); }
   [[nodiscard]] HandStart StartHand(const HandCommand& command) noexcept {
     return live_.hand->Start(command);
@@ -140,6 +146,8 @@ class Robot final : private rt::EventHandler {
   /// Violations of the last cycle that had any, with or without a motion; empty before the first,
   /// also after Reset() and Restore().
   [[nodiscard]] const onboard::Violations& last_found() const noexcept { return live_.last_found; }
+  /// An asynchronous motion is under way, whose commands come at any time.
+  [[nodiscard]] bool is_asynchronous() const noexcept { return live_.onboard.is_asynchronous(); }
   /// Cycles of the running motion without a command, up to the last one.
   [[nodiscard]] std::uint32_t lost_in_row() const noexcept { return live_.onboard.lost_in_row(); }
   /// Whether, in the last cycle, INT's reference was at rest and every measured joint velocity
@@ -176,7 +184,7 @@ class Robot final : private rt::EventHandler {
   std::unique_ptr<plant::Plant> plant_;
   std::optional<BaseUnit> base_;
   rt::EventQueue& events_;
-  record::RecordSink* const sink_;
+  record::RecordSink* sink_;  ///< null: none, or standing by
   const Duration d_INT_;
   const double clock_speed_;  ///< of INT's clock, relative to the queue's
   std::optional<CommandKeeper> keeper_;

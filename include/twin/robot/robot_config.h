@@ -51,6 +51,7 @@ struct PanelEvent {
 /// Configuration of an emulated robot: INT, plant and link.
 struct RobotConfig {
   onboard::OnboardConfig onboard;
+  std::uint16_t protocol = 5;  ///< version of the Franka Control Interface that it speaks: 5 or 10
   PlantKind plant_kind = PlantKind::kMujoco;
   plant::MujocoPlantOptions plant;  ///< used by kMujoco
   onboard::BaseConfig base;         ///< of the mobile base in `plant`; unused without one

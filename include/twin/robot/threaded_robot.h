@@ -63,6 +63,10 @@ class ThreadedRobot : protected rt::EventHandler {
   std::optional<plant::Overlap> Place(int body, const Transform& X_WB);
   /// As in Robot.
   [[nodiscard]] bool has_hand() const noexcept { return robot_.has_hand(); }
+  /// @pre has_hand()
+  [[nodiscard]] HandDevice hand_device() const noexcept {
+    return plant::DeviceOf(robot_.config().plant.hand);
+  }
   [[nodiscard]] HandStart StartHand(const HandCommand& command);
   [[nodiscard]] std::optional<HandResult> HandOutcome(HandTicket ticket) const;
   [[nodiscard]] HandState hand_state() const;

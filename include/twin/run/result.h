@@ -68,12 +68,13 @@ struct CycleCounts {
 
 /// Result of a command to the hand.
 struct HandOutcome {
-  std::optional<Time> begun;         ///< absent: the run ended before
-  std::optional<Time> ended;         ///< within 10 ms; absent: it still ran at the end
-  std::optional<HandResult> result;  ///< once it ended
-  double width = 0;                  ///< between the fingers as it ended, m
-  bool is_grasped = false;           ///< an object was held as it ended
-  std::string failure;               ///< why the hand refused it; empty: it did not
+  std::optional<Time> begun;          ///< absent: the run ended before
+  std::optional<Time> ended;          ///< within 10 ms; absent: it still ran at the end
+  std::optional<HandResult> result;   ///< once it ended
+  double width = 0;                   ///< between the fingers as it ended, m
+  bool is_grasped = false;            ///< an object was held as it ended
+  std::optional<VacuumState> pump{};  ///< of a cobot pump as it ended
+  std::string failure;                ///< why the hand refused it; empty: it did not
 };
 
 /// Results of all commands to the hand of a run.

@@ -12,6 +12,7 @@
 #include "twin/plant/contact_watch.h"
 #include "twin/plant/truth_probe.h"
 #include "twin/record/cycle_record.h"
+#include "twin/record/log_split.h"
 #include "twin/record/recorder.h"
 #include "twin/record/scene_record.h"
 #include "twin/render/snapshots.h"
@@ -28,7 +29,7 @@ class RunRecords final : public record::RecordSink {
  public:
   /// @throws EnvironmentError as record::Recorder.
   void Log(const std::filesystem::path& path, const record::RunInfo& run,
-           record::FullRing full_ring);
+           record::FullRing full_ring, const record::LogSplit& split = {});
   /// Records the scene at each frame of the video, for the log too.
   /// @param keep   kLast: for the log alone, without a film. @param truth  must outlive this,
   /// as WatchContacts(). @throws as render::SnapshotRecorder.

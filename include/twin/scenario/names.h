@@ -13,8 +13,10 @@ namespace twin::scenario {
 template <typename Enum>
 using Spelling = std::pair<std::string_view, Enum>;
 
-inline constexpr std::array<Spelling<plant::HandKind>, 2> kHandNames{
-    {{"franka_hand", plant::HandKind::kFrankaHand}, {"none", plant::HandKind::kNone}}};
+inline constexpr std::array<Spelling<plant::HandKind>, 3> kHandNames{
+    {{"franka_hand", plant::HandKind::kFrankaHand},
+     {"cobot_pump", plant::HandKind::kCobotPump},
+     {"none", plant::HandKind::kNone}}};
 
 inline constexpr std::array<Spelling<robot::PlantKind>, 2> kPlantNames{
     {{"mujoco", robot::PlantKind::kMujoco}, {"ideal", robot::PlantKind::kIdeal}}};

@@ -59,6 +59,10 @@ inline constexpr std::string_view kGround = "ground";  ///< the plane z = 0 of t
 [[nodiscard]] std::vector<plant::SceneObject> ObjectsOf(std::span<const ObjectSection> objects,
                                                         std::uint64_t seed);
 
+/// The same objects without ranges: as ObjectsOf draws them, for other seeds too.
+[[nodiscard]] std::vector<ObjectSection> DrawnFrom(std::span<const ObjectSection> objects,
+                                                   std::uint64_t seed);
+
 /// T of an object, in the world. @throws InputError of a sphere.
 [[nodiscard]] Transform TopOf(const plant::SceneObject& object);
 

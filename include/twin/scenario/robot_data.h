@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -15,10 +16,12 @@ namespace twin::scenario {
 
 /// Data of a robot, read from its folder below models/robots.
 struct RobotData {
-  std::string name;             ///< "panda"
-  std::filesystem::path urdf;   ///< <name>/<name>.urdf
-  JointLimits limits;           ///< from <name>/limits.yaml
-  CartesianLimits cartesian;    ///< from the same
+  std::string name;                                ///< "panda"
+  std::filesystem::path urdf;                      ///< <name>/<name>.urdf
+  std::uint16_t protocol = 5;                      ///< of the Franka Control Interface
+  model::ArmModel arm = model::ArmModel::Panda();  ///< by which INT reckons
+  JointLimits limits;                              ///< from <name>/limits.yaml
+  CartesianLimits cartesian;                       ///< from the same
   JointVector rotor_inertia{};  ///< from <name>/drives.yaml; seen at the link, kg m^2
   model::Payload end_effector;  ///< of the mounted hand, flange axes; all zero without one
   Transform F_T_NE = kIdentityTransform;  ///< nominal end effector in the flange frame
@@ -30,7 +33,8 @@ struct RobotData {
 /// Reads the joint limits of a limits.yaml:
 ///   joints:
 ///     q_min: {unit: rad, values: [7 numbers]}   # and q_max, dq_max, ddq_max, dddq_max, tau_max,
-///                                               # dtau_max
+///                                               # dtau_max; velocity_offset, deceleration if the
+///                                               # velocity limit depends on the position
 /// @throws InputError naming file, line and key.
 [[nodiscard]] JointLimits LoadJointLimits(const std::filesystem::path& file);
 

@@ -55,6 +55,7 @@ inline constexpr std::string_view kRemoteBackend = "fci";
 
 struct RobotSection {
   std::string model = "panda";  ///< folder below models/robots
+  plant::ArmPose pose;          ///< of the arm's base in the world
   plant::HandKind hand = plant::HandKind::kFrankaHand;
   std::optional<JointVector> q_start;  ///< rad; absent: the first waypoint; a plan needs it
   double clock_drift_ppm = 0;          ///< of INT's clock against the run's, in [-1000, 1000]

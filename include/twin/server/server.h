@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "twin/core/clock.h"
@@ -21,11 +22,14 @@ namespace twin::server {
 
 /// What a server offers, and to which clients.
 struct ServerConfig {
-  std::uint32_t address = 0x7f000001;        ///< of this machine, on which to listen; 127.0.0.1
-  std::uint16_t arm_port = fci::kArmPort;    ///< 0: any free port
-  std::uint16_t hand_port = fci::kHandPort;  ///< as arm_port; not opened without a hand
+  std::uint32_t address = 0x7f000001;      ///< of this machine, on which to listen; 127.0.0.1
+  std::uint16_t arm_port = fci::kArmPort;  ///< 0: any free port
+  /// As arm_port; absent: the hand's own, fci::PortOf(). Not opened without a hand.
+  std::optional<std::uint16_t> hand_port{};
   /// Network that may connect, besides this machine; absent: this machine only.
   std::optional<fci::Network> allow;
+  fci::Protocol protocol = fci::Protocol::k5;  ///< that the arm speaks; ServedRobot sets its own
+  std::string robot_model;                     ///< URDF that GetRobotModel gives; protocol 10
   std::vector<std::byte>
       model_library;  ///< what LoadModelLibrary gives (x64 Linux); empty: nothing
   /// A connection without a Connect for this long is closed.
@@ -38,7 +42,8 @@ struct ServerConfig {
 };
 
 /// Serves a robot over the Franka Control Interface. TCP carries requests, with the session order
-/// of fci::ArmSession and fci::HandSession; UdpPort carries states and commands.
+/// of fci::ArmSession and fci::HandSession; UdpPort carries states and commands. The hand may be a
+/// vacuum gripper.
 ///
 ///     client -- TCP --> Run(): poll, parse --> Move(), ... of the robot (rt::CallMailbox)
 ///     client <-- TCP -- answers            <-- its answers; the wake event when a motion has ended

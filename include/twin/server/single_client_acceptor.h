@@ -40,7 +40,8 @@ class SingleClientAcceptor {
     return {.name = is_arm ? "arm" : "hand",
             .kind = kind,
             .largest = is_arm ? fci::kLargestArmRequest : fci::kLargestHandRequest,
-            .local = {config.address, is_arm ? config.arm_port : config.hand_port},
+            .local = {config.address,
+                      is_arm ? config.arm_port : config.hand_port.value_or(fci::kHandPort)},
             .allow = config.allow,
             .connect_timeout = config.connect_timeout};
   }

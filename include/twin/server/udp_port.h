@@ -44,10 +44,12 @@ struct DroppedDatagrams {
 class UdpPort final : public robot::WorkstationPort, public rt::Arrival {
  public:
   /// @param clock    the host's; must outlive the port. @param address  to bind, at any free port.
+  /// @param protocol  of states and commands.
   /// @param changed  notified when a state has other modes or errors than the previous one; must
   /// outlive the port.
   /// @throws EnvironmentError as fci::UdpSocket.
-  UdpPort(const MonotonicClock& clock, std::uint32_t address, WakeEvent& changed);
+  UdpPort(const MonotonicClock& clock, std::uint32_t address, WakeEvent& changed,
+          fci::Protocol protocol = fci::Protocol::k5);
 
   /// Sends states to `client` and accepts its commands.
   void OnConnect(const fci::Endpoint& client) noexcept;
@@ -78,6 +80,7 @@ class UdpPort final : public robot::WorkstationPort, public rt::Arrival {
   fci::UdpSocket socket_;
   fci::Capture* capture_ = nullptr;
   WakeEvent& changed_;
+  const fci::Protocol protocol_;
   std::atomic<std::uint64_t> client_{0};  ///< address and port; 0: none
 
   std::atomic<std::uint64_t> foreign_{0};
@@ -86,7 +89,7 @@ class UdpPort final : public robot::WorkstationPort, public rt::Arrival {
 
   // Owned by the robot's thread.
   /// One byte longer than a command, to detect longer datagrams.
-  std::array<std::byte, fci::kCommandBytes + 1> incoming_{};
+  std::array<std::byte, fci::kCommand10Bytes + 1> incoming_{};
   fci::StateBytes outgoing_{};
   int looked_at_ = 0;
   std::uint64_t newest_id_ = 0;

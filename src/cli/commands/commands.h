@@ -24,13 +24,15 @@ void AddExplain(CLI::App& app, Program& program);
 void AddCompare(CLI::App& app, Program& program);
 void AddDecode(CLI::App& app, Program& program);
 void AddDevices(CLI::App& app, Program& program);
+void AddRobots(CLI::App& app, Program& program);
 void AddExport(CLI::App& app, Program& program);
 void AddCompletion(CLI::App& app, Program& program);
 
 /// All of them, in the order of the help.
 inline constexpr auto kCommands = {
-    &AddRun,     &AddMoveTo,     &AddServe,  &AddRosCommand, &AddCtl,    &AddProxy,     &AddRender,
-    &AddVideo,   &AddExperiment, &AddSweep,  &AddValidate,   &AddSchema, &AddCheck,     &AddExplain,
-    &AddCompare, &AddExcite,     &AddDecode, &AddDevices,    &AddExport, &AddCompletion};
+    &AddRun,    &AddMoveTo,  &AddServe,      &AddRosCommand, &AddCtl,      &AddProxy,
+    &AddRender, &AddVideo,   &AddExperiment, &AddSweep,      &AddValidate, &AddSchema,
+    &AddCheck,  &AddExplain, &AddCompare,    &AddExcite,     &AddDecode,   &AddDevices,
+    &AddRobots, &AddExport,  &AddCompletion};
 
 }  // namespace twin::cli

@@ -15,22 +15,25 @@ struct DecodeFlags {
   bool brief = false;
   std::uint16_t arm_port = fci::kArmPort;
   std::uint16_t hand_port = fci::kHandPort;
+  std::uint16_t vacuum_port = fci::kVacuumPort;
 };
 
 int Decode(const DecodeFlags& flags, const Program& program) {
   record::PcapngReader reader(flags.capture);
-  fci::Transcript transcript(
-      {.fields = !flags.brief, .arm_port = flags.arm_port, .hand_port = flags.hand_port});
+  fci::Transcript transcript({.fields = !flags.brief,
+                              .arm_port = flags.arm_port,
+                              .hand_port = flags.hand_port,
+                              .vacuum_port = flags.vacuum_port});
   while (const auto packet = reader.Next()) {
     const std::string text = transcript.Take(*packet);
     if (!text.empty()) Say(stdout, text);
   }
   if (transcript.elsewhere() > 0) {
     program.log->info(
-        "{} packets of TCP are between other ports than {} (arm) and {} (hand); if the robot's "
-        "were "
-        "others, name them with --port and --hand-port",
-        transcript.elsewhere(), flags.arm_port, flags.hand_port);
+        "{} packets of TCP are between other ports than {} (arm), {} (hand) and {} (vacuum "
+        "gripper); if the robot's were others, name them with --port, --hand-port and "
+        "--vacuum-port",
+        transcript.elsewhere(), flags.arm_port, flags.hand_port, flags.vacuum_port);
   }
   if (reader.passed_over() > 0) {
     program.log->info("{} packets are neither UDP nor TCP over IPv4, or damaged",
@@ -55,6 +58,8 @@ void AddDecode(CLI::App& app, Program& program) {
   decode.add_flag("--brief", flags.brief, "A line for each message, no fields");
   Add(decode, "--port", flags.arm_port, "TCP port of the arm")->capture_default_str();
   Add(decode, "--hand-port", flags.hand_port, "TCP port of the hand")->capture_default_str();
+  Add(decode, "--vacuum-port", flags.vacuum_port, "TCP port of the vacuum gripper")
+      ->capture_default_str();
 }
 
 }  // namespace twin::cli

@@ -16,6 +16,7 @@
 #include "twin/render/clip.h"
 #include "twin/render/image.h"
 #include "twin/render/video_writer.h"
+#include "twin/replay/cell_recording.h"
 #include "twin/replay/comparison.h"
 #include "twin/replay/layout.h"
 #include "twin/replay/recording.h"
@@ -103,18 +104,28 @@ class Rendering {
     RefuseWhatDoesNotGoTogether(flags);
     RequirePlace(flags.out, picture_);
     if (!picture_) RequireProgram("ffmpeg", program.host.path, "apt-get install ffmpeg");
+    if (replay::IsCellFolder(flags.log)) {
+      RefuseIf(flags.second || flags.layout,
+               "the folder holds a run of several robots; leave the second log and --layout out, "
+               "or name a robot's folder in it");
+      cell_.emplace(flags.log, files_);
+      settings_ = FilmOf(cell_->cell().common.render, flags.film);
+      return;
+    }
     Read(flags.log, first_);
     if (flags.second) Read(*flags.second, second_);
     settings_ = FilmOf(first_->scenario().render, flags.film);
   }
 
   void Execute() {
-    if (flags_.layout) {
+    if (cell_) {
+      DrawOne(cell_->snapshots(), cell_->Film(), cell_->cell().common.render.fps);
+    } else if (flags_.layout) {
       WritePicture(replay::DrawLayout(*first_, *flags_.layout, settings_));
     } else if (second_) {
       DrawBoth();
     } else {
-      DrawOne();
+      DrawOne(first_->snapshots(), first_->Film(), first_->scenario().render.fps);
     }
   }
 
@@ -140,21 +151,20 @@ class Rendering {
     }
   }
 
-  [[nodiscard]] replay::TimeLine TimeLineOf() const {
+  /// @param fps  unless the flags say another.
+  [[nodiscard]] replay::TimeLine TimeLineOf(int fps) const {
     return {.from = InstantOf(flags_.at ? flags_.at : flags_.from),
             .until = InstantOf(flags_.at ? flags_.at : flags_.until),
             .speed = flags_.speed,
-            .fps = flags_.fps.value_or(first_->scenario().render.fps)};
+            .fps = flags_.fps.value_or(fps)};
   }
 
-  void DrawOne() {
-    const render::Snapshots& scenes = first_->snapshots();
-    const replay::TimeLine line = TimeLineOf();
+  void DrawOne(const render::Snapshots& scenes, render::Film film, int fps) {
+    const replay::TimeLine line = TimeLineOf(fps);
     const render::Snapshots shown = replay::SnapshotsAt(
         scenes, replay::FrameTimes(scenes.time(0), scenes.time(scenes.size() - 1), line), line.fps);
     const render::Snapshots before =
         replay::SnapshotsBefore(scenes, shown.time(0), FromSeconds(settings_.trace_s));
-    render::Film film = first_->Film();
     film.snapshots = &shown;
     film.before = &before;
     Write(render::FramesOf(film, settings_));
@@ -165,7 +175,7 @@ class Rendering {
         *first_, *second_,
         {.kind = flags_.compare.value_or(replay::ComparisonKind::kSplit),
          .film = settings_,
-         .time_line = TimeLineOf(),
+         .time_line = TimeLineOf(first_->scenario().render.fps),
          .tolerance = flags_.tolerance.value_or(replay::ComparisonSettings().tolerance)},
         {NameOf(run::FindLog(flags_.log)), NameOf(run::FindLog(*flags_.second))});
     for (const std::string& note : comparison.Notes()) terminal_.Note(note);
@@ -190,7 +200,8 @@ class Rendering {
   const RenderFlags& flags_;
   const bool picture_;
   const run::RunFiles files_;
-  std::optional<replay::Recording> first_;  ///< always there after construction
+  std::optional<replay::CellRecording> cell_;  ///< of several robots
+  std::optional<replay::Recording> first_;     ///< of one; one of the two is there
   std::optional<replay::Recording> second_;
   render::FilmSettings settings_;
 };

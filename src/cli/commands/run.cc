@@ -10,10 +10,12 @@
 #include "cli/hardware_flags.h"
 #include "cli/shared_flags.h"
 #include "cli/terminal.h"
+#include "twin/application/record_cell.h"
 #include "twin/application/record_run.h"
 #include "twin/core/calendar_clock.h"
 #include "twin/core/error.h"
 #include "twin/run/remote.h"
+#include "twin/scenario/cell.h"
 #include "twin/scenario/robot_data.h"
 
 namespace twin::cli {
@@ -178,7 +180,33 @@ scenario::Scenario LoadWithFlags(const RunFlags& flags, const Host& host) {
   return scenario;
 }
 
+/// @throws InputError for flags of one robot.
+void RequireCellFlags(const RunFlags& flags) {
+  RefuseIf(flags.lab || flags.backend || flags.drive || flags.device || flags.clock_ppm ||
+               flags.ext_cpu || flags.int_cpu || flags.capture || flags.seeds ||
+               !flags.may_touch.empty() || flags.hardware.robot || flags.hardware.allow ||
+               flags.hardware.check_only || flags.hardware.max_speed || flags.page.wanted() ||
+               flags.wait_for_visitor,
+           "this scenario has several robots, which run in lockstep and take of the flags only "
+           "--seed, --out, --strict, --no-video, --quality, --rebuild-cache, --data and --meshes");
+}
+
+/// A scenario of several robots. @param file  its own.
+int RunCell(const std::filesystem::path& file, const RunFlags& flags, const Program& program) {
+  RequireCellFlags(flags);
+  const scenario::Cell cell = scenario::LoadCell(file, flags.seed);
+  application::RunOptions options = OptionsOf(flags, cell.common);
+  RequirePrograms(flags, cell.common, options, program.host);
+  Terminal terminal(program.log, program.is_quiet());
+  run::RunFiles files = FilesOf(flags.data, program);
+  files.rebuild_cache = flags.rebuild_cache;
+  application::RecordCell({cell, options, files, program.catalogue, terminal});
+  return kOk;
+}
+
 int Run(const RunFlags& flags, const Program& program) {
+  const std::filesystem::path file = ScenarioFile(flags.scenario, flags.data, program.host);
+  if (scenario::HasRobots(file)) return RunCell(file, flags, program);
   scenario::Scenario scenario = LoadWithFlags(flags, program.host);
   RequireAgreement(flags, scenario);
   application::RunOptions options = OptionsOf(flags, scenario);

@@ -11,6 +11,7 @@
 #include "cli/commands/commands.h"
 #include "cli/interrupt.h"
 #include "cli/ros_flags.h"
+#include "cli/serve_cell.h"
 #include "cli/serve_flags.h"
 #include "cli/shared_flags.h"
 #include "cli/terminal.h"
@@ -22,6 +23,7 @@
 #include "twin/record/cycle_record.h"
 #include "twin/reference/viable_axis.h"
 #include "twin/run/operator_page.h"
+#include "twin/scenario/cell.h"
 #include "twin/server/control_channel.h"
 #include "twin/server/served_robot.h"
 
@@ -263,6 +265,10 @@ void Service::WriteResults() {
 
 int Serve(const ServeFlags& flags, const Program& program) {
   RequireServeAgreement(flags);
+  if (!flags.scenario.empty()) {
+    const std::filesystem::path file = ScenarioFile(flags.scenario, flags.data, program.host);
+    if (scenario::HasRobots(file)) return ServeCell(file, flags, program);
+  }
   return Service(flags, program).Run();
 }
 
@@ -273,6 +279,8 @@ void AddServe(CLI::App& app, Program& program) {
       app, program, "serve", "Serve a robot to programs made for it (FCI protocol 5)", &Serve);
   Add(serve, "scenario FILE", flags.scenario, "Scenario file (default: the ready pose, no scene)");
   AddLab(serve, flags.lab);
+  Add(serve, "--model NAME", flags.model,
+      "Arm: panda or fr3, or another folder below models/robots (default: the scenario's, or panda)");
   Add(serve, "--scene FILE", flags.scene,
       "World around the robot (MJCF, here or in the models folder)");
   AddNetwork(serve, flags.network);
@@ -304,6 +312,11 @@ void AddServe(CLI::App& app, Program& program) {
       "Folder of results: log, report with a row per motion, plots, explanations, video");
   serve.add_flag("--no-video", flags.no_video, "With --out: make no video and no contact sheet");
   Add(serve, "--log FILE", flags.log, "Write every cycle (MCAP)");
+  Add(serve, "--log-split TIME|SIZE", flags.log_split,
+      "Split the log into FILE_0001, FILE_0002 ..., a new one after so long (1h, robot's time) or so "
+      "much (512MiB)");
+  Add(serve, "--log-keep N", flags.log_keep,
+      "With --log-split: keep the newest N ended files and remove older ones (default: keep all)");
   Add(serve, "--capture FILE", flags.capture, "Keep what goes over the wire (pcapng; see decode)");
   Add(serve, "--control FILE", flags.control,
       "Let programs on this machine pause, step and stop the robot over this Unix socket (see ctl)");

@@ -83,8 +83,9 @@ export function facts({ arm, base, hand, teleop, clients }, answers) {
   const all = arm ? ofArm(arm) : [];
   if (base) all.push(...ofBase(base));
   if (hand) {
-    all.push(["hand", `${(1000 * hand.width).toFixed(0)} mm${hand.is_grasped ? ", holds" : ""}`,
-      "Opening between the fingers, and whether they hold something."]);
+    const sucks = hand.vacuum !== null;
+    all.push(["hand", `${sucks ? `${hand.vacuum} mbar` : `${(1000 * hand.width).toFixed(0)} mm`}${hand.is_grasped ? ", holds" : ""}`,
+      `${sucks ? "Vacuum in the cups" : "Opening between the fingers"}, and whether something is held.`]);
   }
   if (teleop) {
     all.push(["moves", teleop.stopped ? "stopped" : teleop.holding ? `${teleop.mode}, holds` : teleop.mode,

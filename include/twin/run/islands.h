@@ -1,0 +1,40 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "twin/plant/mujoco_plant.h"
+#include "twin/run/catalogue.h"
+#include "twin/scenario/cell.h"
+
+struct mjModel_;
+
+namespace twin::run {
+
+/// Robots of a cell that share one model of the engine: those that can reach each other, or an
+/// object that another one can reach. No robot of one island can touch what is in another, so each
+/// island runs as if it were alone, to the bit.
+struct Island {
+  /// In the order of their names; of the scenario's objects those that are fixed, and the free ones
+  /// of this island.
+  std::vector<scenario::CellRobot> robots;
+};
+
+/// Divides a cell by balls around its robots (plant::ReachOf), which grow by what lies in them,
+/// since a robot may carry it. A free object that no robot reaches goes with the nearest one. A
+/// scene with bodies that move keeps all robots together.
+/// @returns islands in the order of their first robots. @throws InputError, EnvironmentError as
+/// plant::MujocoPlant::Create.
+[[nodiscard]] std::vector<Island> IslandsOf(const scenario::Cell& cell, const RunFiles& files);
+
+/// What begins the names of a robot's bodies in a model of several: "left/".
+[[nodiscard]] std::string PrefixOf(const scenario::CellRobot& robot);
+
+/// The plants of some robots, for one model. @throws as MakeRobotConfig.
+[[nodiscard]] std::vector<plant::MujocoPlantOptions> PlantsOf(
+    const std::vector<scenario::CellRobot>& robots, const RunFiles& files);
+
+/// @throws InputError where the arms of two robots overlap as they start: names both, and where.
+void RequireApartAtStart(const scenario::Cell& cell, const RunFiles& files);
+
+}  // namespace twin::run

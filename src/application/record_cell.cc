@@ -1,0 +1,265 @@
+#include "twin/application/record_cell.h"
+
+#include <deque>
+#include <exception>
+#include <fstream>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "twin/application/validate.h"
+#include "twin/core/clock.h"
+#include "twin/core/error.h"
+#include "twin/plant/shared_model.h"
+#include "twin/replay/cell_recording.h"
+#include "twin/replay/recording.h"
+#include "twin/rt/fiber.h"
+#include "twin/run/film.h"
+#include "twin/run/islands.h"
+#include "twin/run/result_folder.h"
+#include "twin/run/summary.h"
+
+namespace twin::application {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+void RequireLockstep(const scenario::Cell& cell) {
+  if (cell.common.is_lockstep()) return;
+  throw InputError(
+      "drive: several robots run in lockstep; say drive: lockstep, or serve them: panda-twin "
+      "serve");
+}
+
+std::string NamesOf(const run::Island& island) {
+  std::vector<std::string> names;
+  for (const scenario::CellRobot& robot : island.robots) names.push_back(robot.name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+/// What a robot's run says, with the robot's name.
+class RobotConsole final : public run::Console {
+ public:
+  RobotConsole(run::Console& console, std::string name)
+      : console_(console), name_(std::move(name)) {}
+
+  void Print(std::string_view text) override { console_.Print(Marked(text)); }
+  void Say(std::string_view text) override { console_.Say(Marked(text)); }
+  void Debug(std::string_view text) override { console_.Debug(fmt::format("{}: {}", name_, text)); }
+  void Note(std::string_view text) override { console_.Note(fmt::format("{}: {}", name_, text)); }
+  void Warn(std::string_view text) override { console_.Warn(fmt::format("{}: {}", name_, text)); }
+  void Show(std::string_view work, double share, std::string_view note) override {
+    console_.Show(work, share, fmt::format("{}: {}", name_, note));
+  }
+  [[nodiscard]] const volatile bool& interrupted() const noexcept override {
+    return console_.interrupted();
+  }
+  void Interrupt() noexcept override { console_.Interrupt(); }
+
+ private:
+  /// Each line with the name in front.
+  [[nodiscard]] std::string Marked(std::string_view text) const {
+    std::string marked;
+    while (!text.empty()) {
+      const std::size_t end = std::min(text.find('\n'), text.size() - 1) + 1;
+      marked += fmt::format("{}: {}", name_, text.substr(0, end));
+      text.remove_prefix(end);
+    }
+    return marked;
+  }
+
+  run::Console& console_;
+  const std::string name_;
+};
+
+/// How a robot's run ended.
+struct RobotEnd {
+  std::string name;
+  std::string shares_with;   ///< names of its island's robots
+  std::string failure;       ///< empty: success
+  std::exception_ptr why{};  ///< set where the run as a whole cannot go on
+};
+
+class CellRecorder {
+ public:
+  explicit CellRecorder(const CellInputs& inputs) : inputs_(inputs), out_(inputs.options.out) {}
+
+  void Execute();
+
+ private:
+  [[nodiscard]] const scenario::Scenario& common() const { return inputs_.cell.common; }
+  [[nodiscard]] bool makes_video() const {
+    return common().render.enabled && common().record && inputs_.options.makes_video;
+  }
+  void RunIsland(const run::Island& island);
+  /// @param backends  of the run. Never throws: what it would is in the robot's end.
+  void RunRobot(const scenario::CellRobot& robot, const backend::Registry& backends, RobotEnd& end);
+  [[nodiscard]] Json Summary() const;
+  void MakeVideo();
+
+  const MonotonicClock clock_;
+  const CellInputs inputs_;
+  run::ResultFolder out_;
+  run::WallTimes times_;
+  std::deque<RobotEnd> ends_;  ///< in the order of the robots
+};
+
+void CellRecorder::Execute() {
+  RequireLockstep(inputs_.cell);
+  out_.RequireOther(inputs_.options.scenario);
+  run::RequireApartAtStart(inputs_.cell, inputs_.files);
+  if (makes_video()) {
+    replay::CheckCellPicture(inputs_.cell, inputs_.files, inputs_.options.scenario);
+  }
+  const std::vector<run::Island> islands = run::IslandsOf(inputs_.cell, inputs_.files);
+  for (const scenario::CellRobot& robot : inputs_.cell.robots) {
+    // A motion that is planned is judged when it is planned.
+    if (robot.scenario.motion.plan) continue;
+    static_cast<void>(run::Run(robot.scenario, inputs_.catalogue, inputs_.files, nullptr));
+  }
+  inputs_.console.ThrowIfInterrupted();
+  out_.Prepare();
+  out_.Clear();
+  times_.prepare_s = ToSeconds(clock_.Now().time_since_epoch());
+  const Time begin = clock_.Now();
+  for (const run::Island& island : islands) RunIsland(island);
+  times_.run_s = ToSeconds(clock_.Now() - begin);
+  for (const RobotEnd& end : ends_) {
+    if (end.why) std::rethrow_exception(end.why);
+  }
+  inputs_.console.ThrowIfInterrupted();
+  run::WriteWholeFile(out_.scenario(), scenario::ToYaml(inputs_.cell));
+  const Json summary = Summary();
+  run::WriteWholeFile(out_.summary(), run::TextOf(summary));
+  times_.real_time_factor = summary.value("simulated_s", 0.0) / times_.run_s;
+  if (makes_video()) MakeVideo();
+  run::WriteWholeFile(out_.timing(), run::TimingJson(times_, {}));
+  std::string failures;
+  for (const RobotEnd& end : ends_) {
+    if (end.failure.empty()) continue;
+    failures += fmt::format("{}{}: {}", failures.empty() ? "" : "; ", end.name, end.failure);
+  }
+  inputs_.console.Print(fmt::format("{}: {}; files  {}\n", common().name,
+                                    failures.empty() ? "success" : "failed",
+                                    out_.folder().string()));
+  if (!failures.empty()) throw RobotFault(failures);
+}
+
+void CellRecorder::RunRobot(const scenario::CellRobot& robot, const backend::Registry& backends,
+                            RobotEnd& end) {
+  RobotConsole console(inputs_.console, robot.name);
+  RunOptions options = inputs_.options;
+  options.out = out_.folder() / robot.name;
+  options.makes_video = false;
+  options.hardware = {};
+  const run::Catalogue catalogue{backends, inputs_.catalogue.controllers,
+                                 inputs_.catalogue.devices};
+  try {
+    RecordRun({robot.scenario, options, inputs_.files, catalogue, console});
+  } catch (const RobotFault& fault) {
+    end.failure = fault.what();
+  } catch (const run::NoPlanError& error) {
+    end.failure = error.what();
+  } catch (...) {
+    end.why = std::current_exception();
+    console.Interrupt();  // the others stop, too
+  }
+}
+
+void CellRecorder::RunIsland(const run::Island& island) {
+  std::vector<RobotEnd*> ends;
+  for (const scenario::CellRobot& robot : island.robots) {
+    ends.push_back(&ends_.emplace_back(
+        RobotEnd{.name = robot.name, .shares_with = NamesOf(island), .failure = {}}));
+  }
+  const std::string backend = common().backend;
+  const backend::Registry& known = inputs_.catalogue.backends;
+  if (island.robots.size() == 1) {
+    return RunRobot(island.robots.front(), known, *ends.front());
+  }
+  const auto shared = plant::SharedModel::Create(run::PlantsOf(island.robots, inputs_.files),
+                                                 [] { rt::Fiber::Yield(); });
+  std::deque<robot::RobotConfig> configs;  // outlive the backends
+  std::deque<backend::Registry> seats;
+  std::deque<rt::Fiber> runs;
+  for (std::size_t i = 0; i < island.robots.size(); ++i) {
+    const scenario::CellRobot& robot = island.robots[i];
+    backend::Registry& seat = seats.emplace_back();
+    seat.Add(backend, [&, prefix = run::PrefixOf(robot)](const backend::Request& request) {
+      robot::RobotConfig& config = configs.emplace_back(request.robot);
+      config.plant.shared = shared;
+      config.plant.prefix = prefix;
+      return known.Find(backend)({config, request.time, request.sink});
+    });
+    runs.emplace_back([this, &robot, &seat, end = ends[i]] { RunRobot(robot, seat, *end); });
+  }
+  for (bool goes_on = true; goes_on;) {
+    goes_on = false;
+    for (rt::Fiber& one : runs) {
+      if (one.ended()) continue;
+      goes_on = true;
+      one.Resume();
+    }
+  }
+}
+
+Json CellRecorder::Summary() const {
+  Json robots = Json::object();
+  bool succeeded = true;
+  double longest = 0;
+  for (const RobotEnd& end : ends_) {
+    succeeded = succeeded && end.failure.empty();
+    std::ifstream file(run::ResultFolder(out_.folder() / end.name).summary());
+    const Json own = Json::parse(file, nullptr, false);
+    Json& robot = robots[end.name];
+    robot = {{"folder", end.name}, {"shares_a_model", end.shares_with}};
+    for (const char* key :
+         {"outcome", "failure", "violations", "simulated_s", "contacts", "states_hash"}) {
+      if (own.is_object() && own.contains(key)) robot[key] = own[key];
+    }
+    longest = std::max(longest, robot.value("simulated_s", 0.0));
+  }
+  return {{"scenario", common().name},
+          {"seed", common().seed},
+          {"outcome", succeeded ? "success" : "failed"},
+          {"simulated_s", longest},
+          {"robots", robots}};
+}
+
+void CellRecorder::MakeVideo() {
+  const replay::CellRecording recording(out_.folder(), inputs_.files);
+  render::FilmSettings settings = run::FilmOf(common().render);
+  if (inputs_.options.has_fine_pictures) settings = run::Fine(settings);
+  times_.video_s = replay::RenderClip(render::FramesOf(recording.Film(), settings),
+                                      {out_.video(), out_.contact_sheet()}, clock_, inputs_.console)
+                       .seconds;
+}
+
+}  // namespace
+
+void RecordCell(const CellInputs& inputs) {
+  CellRecorder(inputs).Execute();
+}
+
+std::string ValidateCell(const scenario::Cell& cell, const std::filesystem::path& file,
+                         const run::Catalogue& catalogue, const run::RunFiles& files) {
+  RequireLockstep(cell);
+  std::string text;
+  for (const scenario::CellRobot& robot : cell.robots) {
+    text += fmt::format("{}:\n{}", robot.name, Validate(robot.scenario, file, catalogue, files));
+  }
+  run::RequireApartAtStart(cell, files);
+  if (cell.common.render.enabled) replay::CheckCellPicture(cell, files, file);
+  for (const run::Island& island : run::IslandsOf(cell, files)) {
+    if (island.robots.size() > 1) text += fmt::format("  reach each other  {}\n", NamesOf(island));
+  }
+  return text;
+}
+
+}  // namespace twin::application

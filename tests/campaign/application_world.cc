@@ -1,0 +1,39 @@
+#include "campaign/application_world.h"
+
+#include <array>
+#include <string>
+
+#include "campaign/world.h"
+#include "conformance/dice.h"
+
+namespace twin::campaign {
+
+bool IsApplicationWorld(std::uint64_t seed) {
+  return seed % 256 == 34;
+}
+
+scenario::Scenario DrawApplicationWorld(std::uint64_t seed, const std::filesystem::path& models) {
+  static constexpr std::array kApplications{"compliance",         "pick_and_place",
+                                            "pick_and_place_can", "pick_and_place_tilted",
+                                            "plan_and_execute",   "teleoperation"};
+  test::Dice dice(~seed);
+  const auto which = static_cast<std::size_t>(dice.Whole(0, kApplications.size() - 1));
+  scenario::Scenario world =
+      scenario::Load(models / "applications" / (std::string(kApplications[which]) + ".yaml"));
+  scenario::Scenario drawn = DrawWorld(seed, &world);
+  world.name = drawn.name;
+  world.seed = seed;
+  world.render.enabled = false;
+  // What the arm holds and works on stays.
+  if (dice.Chance(0.7)) world.link = drawn.link;
+  if (dice.Chance(0.2)) world.perturbations = drawn.perturbations;
+  world.robot.clock_drift_ppm = drawn.robot.clock_drift_ppm;
+  world.tick.cost = drawn.tick.cost;
+  world.controller.clock_drift_ppm = drawn.controller.clock_drift_ppm;
+  world.controller.phase = drawn.controller.phase;
+  world.controller.wake_delay = drawn.controller.wake_delay;
+  world.controller.cost = drawn.controller.cost;
+  return world;
+}
+
+}  // namespace twin::campaign

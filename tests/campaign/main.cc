@@ -1,0 +1,223 @@
+// panda-twin-campaign: the whole stack in seeded random scenarios, invariants checked in every
+// cycle (README.md beside this file).
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "campaign/application_world.h"
+#include "campaign/client_world.h"
+#include "campaign/trial.h"
+#include "campaign/world.h"
+#include "controllers/registration.h"
+#include "plugins/backends.h"
+#include "twin/core/error.h"
+#include "twin/core/hash.h"
+#include "twin/run/result_folder.h"
+#include "twin/run/work_pool.h"
+#include "twin/scenario/data_directory.h"
+#include "twin/scenario/scenario.h"
+
+namespace twin::campaign {
+namespace {
+
+constexpr int kExitFinding = 1;
+constexpr int kExitUsage = 3;
+constexpr std::uint64_t kPerBatch = 256;
+constexpr std::size_t kMostShrunk = 5;
+
+struct Options {
+  std::uint64_t worlds = 1000;
+  std::uint64_t seed = 1;
+  std::uint64_t repeat_every = 8;
+  int threads = 2;
+  bool prints = false;
+  bool first = false;  ///< ends with the first finding, as it is
+  std::filesystem::path around;
+  std::filesystem::path out = "out/campaign";
+  std::filesystem::path models;
+};
+
+/// Of all worlds, whatever the number of threads.
+struct Totals {
+  std::uint64_t cycles = 0;
+  std::uint64_t refused = 0;
+  WordHash digest;
+  std::map<std::string, std::uint64_t> ends;
+  std::map<std::string, std::uint64_t> refusals;
+  std::vector<std::pair<std::uint64_t, Finding>> findings;
+
+  void Add(std::uint64_t seed, const Outcome& outcome) {
+    cycles += outcome.cycles;
+    digest.AddWord(outcome.states_hash);
+    if (outcome.finding) findings.emplace_back(seed, *outcome.finding);
+    if (outcome.refusal.empty()) {
+      ++ends[outcome.end];
+    } else {
+      ++refused;
+      ++refusals[outcome.refusal.substr(0, outcome.refusal.find_first_of("0123456789"))];
+    }
+  }
+};
+
+class Campaign {
+ public:
+  explicit Campaign(const Options& options)
+      : options_(options), files_{options.models, {}, {}, false} {
+    plugins::RegisterMujoco(backends_);
+    controllers::RegisterControllers(controllers_);
+    if (!options.around.empty()) around_ = scenario::Load(options.around);
+  }
+
+  int Run() {
+    if (options_.prints) {
+      fmt::print("{}", IsOfClients(options_.seed) ? DescribeClientWorld(options_.seed)
+                                                  : scenario::ToYaml(Draw(options_.seed)));
+      return 0;
+    }
+    run::WorkPool pool(options_.threads);
+    for (std::uint64_t done = 0; done < options_.worlds; done += kPerBatch) {
+      std::vector<Outcome> outcomes(std::min(kPerBatch, options_.worlds - done));
+      pool.ForEach(outcomes.size(), [&](std::size_t i) {
+        const std::uint64_t seed = options_.seed + done + i;
+        const bool repeats = options_.repeat_every != 0 && seed % options_.repeat_every == 0;
+        outcomes[i] = IsOfClients(seed) ? RunClientWorld(seed)
+                                        : RunWorld(Draw(seed), catalogue_, files_, repeats);
+      });
+      for (std::size_t i = 0; i < outcomes.size(); ++i) {
+        totals_.Add(options_.seed + done + i, outcomes[i]);
+        if (outcomes[i].finding) Tell(options_.seed + done + i, *outcomes[i].finding);
+      }
+      if (options_.first && !totals_.findings.empty()) break;
+    }
+    Report();
+    return totals_.findings.empty() ? 0 : kExitFinding;
+  }
+
+ private:
+  /// Users who try their own controller want worlds of that alone.
+  [[nodiscard]] bool IsOfClients(std::uint64_t seed) const {
+    return !around_ && IsClientWorld(seed);
+  }
+
+  [[nodiscard]] scenario::Scenario Draw(std::uint64_t seed) const {
+    if (!around_ && IsApplicationWorld(seed)) return DrawApplicationWorld(seed, options_.models);
+    return DrawWorld(seed, around_ ? &*around_ : nullptr);
+  }
+
+  void Report() {
+    fmt::print(
+        "{} worlds from seed {}: {:.3f} h of the robot's time, {} refused, {} violated an invariant; "
+        "digest {}\n",
+        options_.worlds, options_.seed, static_cast<double>(totals_.cycles) / 3.6e6,
+        totals_.refused, totals_.findings.size(), FormatHash(totals_.digest.value()));
+    for (const auto& [end, count] : totals_.ends) fmt::print("  {:7} {}\n", count, end);
+    for (const auto& [why, count] : totals_.refusals) {
+      fmt::print("  {:7} refused: {}\n", count, why);
+    }
+    if (!options_.first) ShrinkFindings();
+  }
+
+  /// At once: what follows may take long.
+  static void Tell(std::uint64_t seed, const Finding& finding) {
+    fmt::print("world {} violates the invariant {}: {}\n", seed, finding.invariant, finding.text);
+    std::fflush(stdout);
+  }
+
+  /// The first of each invariant.
+  void ShrinkFindings() {
+    std::vector<std::string_view> done;
+    for (const auto& [seed, finding] : totals_.findings) {
+      if (done.size() == kMostShrunk) return;
+      if (std::ranges::find(done, finding.invariant) != done.end()) continue;
+      done.push_back(finding.invariant);
+      ShrinkFinding(seed, finding);
+    }
+  }
+
+  void ShrinkFinding(std::uint64_t seed, const Finding& finding) {
+    if (IsOfClients(seed)) {
+      fmt::print("world {} shrunk: {}", seed, ShrinkClientWorld(seed, finding.invariant));
+      return;
+    }
+    const scenario::Scenario small = Shrink(Draw(seed), finding.invariant, catalogue_, files_);
+    const Outcome last = RunWorld(small, catalogue_, files_, NeedsRepeats(finding.invariant));
+    std::filesystem::create_directories(options_.out);
+    const std::filesystem::path file = options_.out / (small.name + ".yaml");
+    run::WriteWholeFile(file, scenario::ToYaml(small));
+    fmt::print("world {} shrunk, {}: {}\n", seed, file.string(),
+               last.finding ? last.finding->text : "?");
+    std::fflush(stdout);
+  }
+
+  const Options options_;
+  const run::RunFiles files_;
+  backend::Registry backends_;
+  control::ControllerRegistry controllers_;
+  const run::Catalogue catalogue_{backends_, controllers_};
+  std::optional<scenario::Scenario> around_;
+  Totals totals_;
+};
+
+/// @param given  by the user; empty: beside the installed program, else of the source tree.
+std::filesystem::path ModelsOf(const std::filesystem::path& given) {
+  try {
+    return scenario::FindDataDirectory({std::filesystem::read_symlink("/proc/self/exe"), given, {}})
+        .models;
+  } catch (const EnvironmentError&) {
+    return std::filesystem::path(TWIN_SOURCE_DIR) / "models";
+  }
+}
+
+int Main(int argc, char** argv) {
+  Options options;
+  CLI::App app(
+      "Runs the whole stack in seeded random scenarios (worlds), in lockstep, and checks invariants in every cycle. "
+      "Exit codes: 0 none; 1 at least one, with the smallest scenario that shows it; 3 a wrong input.",
+      "panda-twin-campaign");
+  app.add_option("--worlds", options.worlds, "So many")->capture_default_str();
+  app.add_option("--seed", options.seed, "Number of the first world; the others follow")
+      ->capture_default_str();
+  app.add_option(
+      "--around", options.around,
+      "A scenario with a motion: its robot, motion and controller stay, and links, clocks, plant and pushes are drawn");
+  app.add_option(
+         "--repeat-every", options.repeat_every,
+         "Of so many worlds one is run again: from its text, with a log, with another seed; 0: none")
+      ->capture_default_str();
+  app.add_option("--threads", options.threads, "So many worlds at once")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  app.add_option("--out", options.out, "Folder of shrunk scenarios")->capture_default_str();
+  app.add_option("--models", options.models, "Folder of models, if not beside the program");
+  app.add_flag("--first", options.first,
+               "End with the first world that violates an invariant, and do not shrink it");
+  app.add_flag("--print", options.prints, "Only print the scenario of world --seed");
+  try {
+    app.parse(argc, argv);
+    options.models = ModelsOf(options.models);
+    return Campaign(options).Run();
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kExitUsage;
+  } catch (const Error& error) {
+    fmt::print(stderr, "panda-twin-campaign: {}\n", error.what());
+    return kExitUsage;
+  }
+}
+
+}  // namespace
+}  // namespace twin::campaign
+
+int main(int argc, char** argv) {
+  return twin::campaign::Main(argc, argv);
+}

@@ -1,0 +1,206 @@
+#include "campaign/rare_things.h"
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include "twin/plant/perturbation.h"
+
+namespace twin::campaign {
+namespace {
+
+using control::CommandInterface;
+using scenario::Scenario;
+using test::Dice;
+
+/// A law of friction that is stable at 1 kHz with the rotors' inertia.
+plant::FrictionLaw DrawFriction(Dice& dice) {
+  plant::FrictionLaw law;
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    law.viscous[i] = dice.Between(0, 2);
+    law.coulomb[i] = dice.Between(0, 0.5);
+    law.offset[i] = dice.Between(-0.2, 0.2);
+    law.steepness[i] = dice.Between(10, 200);
+    law.shift[i] = dice.Between(-0.1, 0.1);
+  }
+  return law;
+}
+
+/// What is this arm's own, and how it stands.
+void DrawArm(Dice& dice, Scenario& world) {
+  if (world.plant.kind == robot::PlantKind::kIdeal) return;
+  if (dice.Chance(0.15)) {
+    world.plant.elasticity = plant::ElasticityProfile::kStatic;
+    for (double& k : world.plant.arm.stiffness) k *= dice.Between(0.5, 2);
+  }
+  if (world.plant.armature && dice.Chance(0.1)) {
+    world.plant.arm.armature = plant::kArmature;
+    for (double& b : *world.plant.arm.armature) b *= dice.Between(0.7, 1.5);
+  }
+  if (world.plant.armature && dice.Chance(0.1)) {
+    world.plant.friction = scenario::PlantSection().friction;  // a scenario says profile or law
+    world.plant.arm.friction_law = DrawFriction(dice);
+  }
+  if (dice.Chance(0.1)) {
+    world.plant.arm.torque_delay = std::chrono::microseconds(dice.Whole(0, 5000));
+  }
+  if (dice.Chance(0.1)) world.plant.base_tilt = {dice.Between(-0.1, 0.1), dice.Between(-0.1, 0.1)};
+}
+
+/// Someone takes the hand and leads it, and pushes are no longer through a body's centre.
+void DrawHands(Dice& dice, Scenario& world) {
+  for (plant::Perturbation& perturbation : world.perturbations) {
+    if (!dice.Chance(0.3)) continue;
+    auto& push = std::get<plant::Push>(perturbation);
+    for (double& moment : push.torque) moment = dice.Between(-10, 10);
+    for (double& p : push.point) p = dice.Between(-0.1, 0.1);
+    if (dice.Chance(0.5)) push.frame = plant::ForceFrame::kBody;
+    if (dice.Chance(0.5)) push.motion = 1;
+  }
+  if (world.plant.kind == robot::PlantKind::kIdeal || !dice.Chance(0.1)) return;
+  plant::HandSpring spring{.body = fmt::format("panda_link{}", dice.Whole(4, 7))};
+  spring.begin = std::chrono::milliseconds(dice.Whole(0, 1000));
+  spring.duration = std::chrono::milliseconds(dice.Whole(200, 1500));
+  for (double& by : spring.by) by = dice.Between(-0.1, 0.1);
+  spring.stiffness = dice.Between(100, 3000);
+  spring.largest_force = dice.Between(5, 60);
+  world.perturbations.emplace_back(spring);
+}
+
+/// Of INT and the chain, what clients seldom change.
+void DrawSettings(Dice& dice, Scenario& world) {
+  scenario::OnboardSection& onboard = world.onboard;
+  if (dice.Chance(0.2)) {
+    for (double& K : onboard.K_x) K *= dice.Between(0.1, 1);
+  }
+  if (dice.Chance(0.1)) {
+    onboard.EE_T_K = {{0, 0, dice.Between(-0.1, 0.1)}, {dice.Between(-1, 1), 0, 0}};
+  }
+  if (dice.Chance(0.1)) {
+    setting::CollisionBehavior& behavior = onboard.collision_behavior;
+    const double lower = dice.Between(0.1, 1);
+    behavior = {};
+    for (double& tau : behavior.lower_torque_acc) tau *= lower;
+    for (double& tau : behavior.lower_torque_nominal) tau *= lower;
+    for (double& f : behavior.lower_force_acc) f *= lower;
+    for (double& f : behavior.lower_force_nominal) f *= lower;
+  }
+  if (dice.Chance(0.1)) onboard.abort_after_lost = static_cast<std::uint32_t>(dice.Whole(1, 40));
+  if (dice.Chance(0.1)) {
+    for (bool& axis : onboard.guiding_mode.axes) axis = dice.Chance(0.5);
+    onboard.guiding_mode.elbow = dice.Chance(0.5);
+  }
+  if (dice.Chance(0.1)) world.tick.low_pass_hz = dice.Between(20, 1000);
+  if (dice.Chance(0.1)) {
+    world.robot.q_start = world.motion.waypoints.front().q;
+    for (double& q : *world.robot.q_start) q += dice.Between(-5e-4, 5e-4);
+  }
+}
+
+/// Limits that a lab demands, most of them too far away to be met.
+void DrawLimits(Dice& dice, Scenario& world) {
+  if (!dice.Chance(0.12)) return;
+  model::LabLimits& limits = world.limits;
+  if (dice.Chance(0.3)) limits.v_max = dice.Between(0.2, 1.7);
+  if (dice.Chance(0.3)) limits.w_max = dice.Between(0.5, 2.5);
+  if (dice.Chance(0.3)) limits.dq_max.emplace().fill(dice.Between(0.3, 2));
+  if (dice.Chance(0.3)) limits.force_max = dice.Between(5, 100);
+  if (dice.Chance(0.3)) limits.tau_max.emplace().fill(dice.Between(5, 60));
+  if (dice.Chance(0.4)) {
+    limits.regions.push_back(
+        {.name = "room", .shape = model::LimitBox{{-1, -1, -1}, {1, 1, dice.Between(0.7, 1.3)}}});
+  }
+  if (dice.Chance(0.4)) {
+    limits.regions.push_back(
+        {.name = "wall",
+         .shape = model::HalfSpace{{dice.Between(-1, 1), 1, 0}, dice.Between(0.2, 0.8)}});
+  }
+  if (dice.Chance(0.2)) {
+    limits.regions.push_back({.name = "pillar",
+                              .keep_inside = false,
+                              .shape = model::LimitBox{{0.5, 0.2, 0}, {0.7, 0.4, 0.6}}});
+  }
+}
+
+/// Another controller than the path's, where the interface has one.
+void DrawController(Dice& dice, Scenario& world) {
+  if (!dice.Chance(0.15)) return;
+  scenario::MotionSection& motion = world.motion;
+  switch (motion.interface) {
+    case CommandInterface::kJointPosition:
+      if (dice.Chance(0.3)) {
+        world.controller.type = "joint_position";
+        return;
+      }
+      world.controller.type = "cartesian_pose";
+      motion.waypoints = {{.q = kReady}};
+      for (int i = dice.Whole(1, 3); i > 0; --i) {
+        scenario::PoseStep step;
+        for (double& by : step.by) by = dice.Between(-0.1, 0.1);
+        for (double& turn : step.turn) turn = dice.Between(-0.3, 0.3);
+        motion.poses.push_back(step);
+      }
+      world.robot.q_start.reset();
+      return;
+    case CommandInterface::kJointVelocity: world.controller.type = "joint_velocity"; return;
+    case CommandInterface::kTorque:
+      world.controller.type = dice.Chance(0.5) ? "compliance" : "gravity_hold";
+      return;
+    case CommandInterface::kCartesianPose: return;
+  }
+}
+
+/// The arm rides on a base that drives.
+void DrawBase(Dice& dice, Scenario& world) {
+  if (world.plant.kind == robot::PlantKind::kIdeal || !dice.Chance(0.06)) return;
+  world.plant.base_tilt = {};
+  scenario::BaseSection& base = world.base.emplace();
+  int at = dice.Whole(0, 500);
+  for (int i = dice.Whole(1, 3); i > 0; --i) {
+    const int span = dice.Whole(50, 1000);
+    base.drive.push_back({std::chrono::milliseconds(at),
+                          std::chrono::milliseconds(span),
+                          {dice.Between(-0.8, 0.8), dice.Between(-0.8, 0.8)}});
+    at += span + dice.Whole(1, 300);
+  }
+}
+
+/// Something between the fingers, which close on it where the motion begins.
+void DrawObject(Dice& dice, Scenario& world) {
+  const bool has_hand = world.robot.hand != plant::HandKind::kNone;
+  if (world.plant.kind == robot::PlantKind::kIdeal || !has_hand || !dice.Chance(0.08)) return;
+  world.motion.waypoints.front().q = kReady;
+  world.robot.q_start.reset();
+  const double width = dice.Between(0.01, 0.07);
+  scenario::ObjectSection object{.name = "part", .size = {0.02, width, 0.04}};
+  object.pose.position = {0.3069, 0, 0.487};  // of the fingertips there
+  if (dice.Chance(0.7)) object.mass = dice.Between(0.02, 0.5);
+  object.friction = dice.Between(0.1, 1.5);
+  world.objects.push_back(object);
+  const auto now = std::chrono::milliseconds(dice.Whole(0, 20));
+  world.hand = {{now, hand::Grasp{.width = width * dice.Between(0.7, 1.3),
+                                  .speed = 0.2,
+                                  .force = dice.Between(1, 100)}}};
+  if (dice.Chance(0.3)) {
+    world.hand.push_back({now + std::chrono::milliseconds(dice.Whole(1, 1500)),
+                          hand::Move{dice.Between(0, 0.08), dice.Between(0.01, 0.2)}});
+  }
+}
+
+}  // namespace
+
+void DrawRareThings(Dice& dice, Scenario& world, bool all) {
+  DrawArm(dice, world);
+  DrawHands(dice, world);
+  if (!all) return;
+  DrawSettings(dice, world);
+  DrawLimits(dice, world);
+  DrawController(dice, world);
+  DrawBase(dice, world);
+  DrawObject(dice, world);
+}
+
+}  // namespace twin::campaign

@@ -1,0 +1,408 @@
+#include "campaign/session_world.h"
+
+#include <algorithm>
+#include <atomic>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "campaign/wire_client.h"
+#include "conformance/dice.h"
+#include "conformance/mode_rules.h"
+#include "conformance/stream_plan.h"
+#include "contract/backend_harness.h"
+#include "twin/core/error.h"
+#include "twin/scenario/scenario.h"
+#include "twin/server/served_robot.h"
+
+namespace twin::campaign {
+namespace {
+
+using test::Ask;
+using test::Dice;
+
+constexpr std::uint8_t kSuccess = 0;
+template <typename Status>
+std::uint8_t Byte(Status status) {
+  return static_cast<std::uint8_t>(status);
+}
+
+/// Watches INT itself: its cycles follow one another, whatever clients do.
+class CycleWatch final : public record::RecordSink {
+ public:
+  void Put(const record::CycleRecord& record) noexcept override {
+    const std::uint64_t id = record.state.message_id;
+    if (last_ && id != *last_ + 1) broken_ = true;
+    if (test::FindNotFinite(record.state)) broken_ = true;
+    last_ = id;
+  }
+  void Put(const record::TickRecord&) noexcept override {}
+  [[nodiscard]] bool broken() const { return broken_; }
+
+ private:
+  std::optional<std::uint64_t> last_;  ///< id
+  std::atomic<bool> broken_ = false;
+};
+
+/// One world: a robot, and clients one after the other.
+class SessionWorld {
+ public:
+  explicit SessionWorld(std::uint64_t seed) : dice_(seed) {
+    robot::RobotConfig config = test::HarnessRobot(robot::PlantKind::kIdeal);
+    config.onboard.collision_behavior = scenario::NoCollisionBehavior();
+    server::ServedRobotSettings settings{.takes_free_ports = true, .sink = &watch_};
+    settings.lockstep = {.answer_timeout = std::chrono::seconds(10), .freeze_when_idle = true};
+    settings.thread = rt::ThreadSettings{.name = "robot", .lock_memory = false};
+    service_.emplace(config, robot::MakePlant(config), settings);
+    service_->Start();
+  }
+
+  Outcome Run() {
+    Outcome outcome;
+    try {
+      for (int clients = dice_.Whole(1, 4); clients > 0; --clients) ServeOne();
+      outcome.end = "sessions";
+    } catch (const BrokenPromise& broken) {
+      outcome.finding =
+          Finding{"session", fmt::format("{}; after: {}", broken.what(), fmt::join(done_, ", "))};
+    } catch (const Error& error) {
+      outcome.finding = Finding{"errors", error.what()};
+    }
+    service_->End();
+    if (!outcome.finding && watch_.broken()) {
+      outcome.finding = Finding{"ids", "INT's cycles do not follow one another"};
+    }
+    return outcome;
+  }
+
+ private:
+  void Note(std::string what) { done_.push_back(std::move(what)); }
+
+  static void Require(bool holds, std::string_view promise, std::uint8_t status) {
+    if (!holds) throw BrokenPromise(fmt::format("{}, status {}", promise, status));
+  }
+
+  /// Whether the robot does this when asked now; by the table of requests and modes.
+  [[nodiscard]] bool Grants(Ask ask) const {
+    return Expect({.mode = mode_, .at_rest = true, .has_errors = mode_ == RobotMode::kReflex}, ask)
+        .accepted;
+  }
+
+  void ServeOne() {
+    client_.emplace(service_->arm());
+    motion_.reset();
+    Note("connect");
+    if (dice_.Chance(0.1)) return RefuseOpening();
+    const std::uint8_t status = client_->Ask(client_->Hello());
+    Require(status == kSuccess, "Connect in order is refused", status);
+    const auto first = client_->AwaitState(0, std::chrono::seconds(20));
+    if (!first) throw BrokenPromise("no state after Connect");
+    if (first->robot_mode != mode_ && !(left_moving_ && first->robot_mode == RobotMode::kIdle)) {
+      throw BrokenPromise(
+          fmt::format("the robot is in mode {}, not {}", Name(first->robot_mode), Name(mode_)));
+    }
+    mode_ = first->robot_mode;
+    left_moving_ = false;
+    for (int i = dice_.Whole(0, 12); i > 0; --i) Act();
+    Leave();
+  }
+
+  /// Another version, or another request than Connect, ends the connection.
+  void RefuseOpening() {
+    if (dice_.Chance(0.5)) {
+      Note("another version");
+      fci::Connect hello = client_->Hello();
+      hello.version = static_cast<std::uint16_t>(dice_.Chance(0.5) ? 10 : dice_.Whole(0, 4));
+      const std::uint8_t status = client_->Ask(hello);
+      Require(status != kSuccess, "another version is taken", status);
+    } else {
+      Note("a request before Connect");
+      std::vector<std::byte> bytes;
+      client_->Frame(fci::StopMove(), bytes);
+      client_->Send(bytes);
+    }
+    client_->AwaitClosed();
+  }
+
+  void Act() {
+    const int kind = dice_.Whole(0, 9);
+    if (kind <= 3) return AskSeveral();
+    if (kind == 4) return SendJunk();
+    if (kind == 5) return TrySecondClient();
+    if (kind == 6) return AskForRecovery();
+    Move();
+  }
+
+  // --- Requests whose answer does not wait for the robot
+
+  struct Asked {
+    std::uint32_t id = 0;
+    std::string name;
+    std::vector<std::uint8_t> allowed;
+  };
+
+  Asked DrawRequest(std::vector<std::byte>& bytes) {
+    switch (dice_.Whole(0, 4)) {
+      case 0: {
+        const auto id = static_cast<std::int32_t>(dice_.Whole(-3, 10));
+        return {client_->Frame(fci::GetCartesianLimit{id}, bytes), "limit", {kSuccess}};
+      }
+      case 1: {  // none is served
+        const fci::LoadModelLibrary machine{static_cast<fci::Architecture>(dice_.Whole(0, 5)),
+                                            static_cast<fci::OperatingSystem>(dice_.Whole(0, 3))};
+        return {client_->Frame(machine, bytes), "library", {Byte(fci::ModelLibraryStatus::kError)}};
+      }
+      case 2:
+        if (mode_ == RobotMode::kMove) break;  // its answer waits for the arm
+        return {client_->Frame(fci::StopMove(), bytes), "stop", {kSuccess}};
+      case 3:
+        if (mode_ != RobotMode::kMove) break;  // it would start one
+        return {client_->Frame(DrawMove(), bytes),
+                "move in motion",
+                {Byte(MoveStatus::kCommandNotPossibleRejected)}};
+      default: break;
+    }
+    Setting setting = test::DrawSetting(static_cast<std::uint64_t>(dice_.Whole(0, 1 << 30)));
+    const bool is_bad = FindBadValue(setting).has_value();
+    // With other thresholds, a load that is not there would be a collision.
+    if (!is_bad && std::holds_alternative<setting::CollisionBehavior>(setting)) {
+      setting = scenario::NoCollisionBehavior();
+    }
+    const auto invalid = Byte(SetterStatus::kInvalidArgumentRejected);
+    const auto impossible = Byte(SetterStatus::kCommandNotPossibleRejected);
+    Asked asked{client_->Frame(setting, bytes), std::string(Name(setting)), {}};
+    if (!Grants(Ask::kSet)) asked.allowed.push_back(impossible);
+    if (is_bad) asked.allowed.push_back(invalid);
+    if (asked.allowed.empty()) asked.allowed.push_back(kSuccess);
+    return asked;
+  }
+
+  /// Many at once, in pieces: each gets its answer, in order.
+  void AskSeveral() {
+    std::vector<std::byte> bytes;
+    std::vector<Asked> asked;
+    for (int i = dice_.Whole(1, 6); i > 0; --i) asked.push_back(DrawRequest(bytes));
+    std::vector<std::size_t> cuts;
+    for (int i = dice_.Whole(0, 5); i > 0; --i) {
+      cuts.push_back(static_cast<std::size_t>(dice_.Whole(1, static_cast<int>(bytes.size()))));
+    }
+    std::ranges::sort(cuts);
+    for (const Asked& one : asked) Note(one.name);
+    const std::size_t answered = client_->answered().size();
+    client_->Send(bytes, cuts);
+    for (const Asked& one : asked) {
+      const std::uint8_t status = client_->AwaitAnswer(one.id);
+      Require(std::ranges::find(one.allowed, status) != one.allowed.end(),
+              fmt::format("{} in mode {}", one.name, Name(mode_)), status);
+    }
+    for (std::size_t i = 0; i < asked.size(); ++i) {
+      if (client_->answered()[answered + i] == asked[i].id) continue;
+      throw BrokenPromise("answers come in another order than requests");
+    }
+  }
+
+  void AskForRecovery() {
+    Note("recovery");
+    const std::uint8_t status = client_->Ask(fci::AutomaticErrorRecovery());
+    Require((status == kSuccess) == Grants(Ask::kAutomaticErrorRecovery),
+            fmt::format("recovery in mode {}", Name(mode_)), status);
+    if (status != kSuccess || mode_ != RobotMode::kReflex) return;
+    mode_ = RobotMode::kIdle;
+  }
+
+  /// Datagrams that are no commands have no effect.
+  void SendJunk() {
+    Note("junk datagrams");
+    for (int i = dice_.Whole(1, 20); i > 0; --i) {
+      std::vector<std::byte> bytes(static_cast<std::size_t>(dice_.Whole(0, 500)));
+      for (std::byte& byte : bytes) byte = static_cast<std::byte>(dice_.Whole(0, 255));
+      // Of a command's size only one for a state that was never sent.
+      if (bytes.size() >= 8) std::fill_n(bytes.begin(), 8, std::byte{0xff});
+      client_->SendDatagram(bytes);
+    }
+  }
+
+  /// While one is served another is turned away, and the first one notices nothing.
+  void TrySecondClient() {
+    Note("a second client");
+    WireClient other(service_->arm());
+    std::vector<std::byte> bytes;
+    other.Frame(other.Hello(), bytes);
+    other.Send(bytes);
+    other.AwaitClosed();
+  }
+
+  // --- Motions
+
+  fci::Move DrawMove() {
+    fci::Move move;
+    move.modes = {static_cast<ControllerMode>(dice_.Whole(0, 2)),
+                  static_cast<MotionGeneratorMode>(dice_.Whole(1, 4))};
+    return move;
+  }
+
+  void Move() {
+    fci::Move move = DrawMove();
+    bool is_bad = false;
+    if (dice_.Chance(0.1)) {
+      is_bad = true;
+      move.modes.controller = ControllerMode::kOther;
+    } else if (dice_.Chance(0.1)) {
+      is_bad = true;
+      move.maximum_path_deviation.rotation = std::numeric_limits<double>::quiet_NaN();
+    }
+    Note(fmt::format("move {} {}", Name(move.modes.generator), Name(move.modes.controller)));
+    std::vector<std::byte> bytes;
+    const std::uint32_t id = client_->Frame(move, bytes);
+    client_->Send(bytes);
+    const auto status = static_cast<MoveStatus>(client_->AwaitAnswer(id));
+    const bool starts = status == MoveStatus::kMotionStarted;
+    Require(starts == (Grants(Ask::kMove) && !is_bad), fmt::format("Move in mode {}", Name(mode_)),
+            Byte(status));
+    if (!starts) return;
+    motion_ = id;
+    client_->OweEnd(id);
+    RunMotion();
+  }
+
+  static RobotCommand Same(const RobotState& state) {
+    RobotCommand command;
+    command.q_c = state.q_d;
+    command.O_T_EE_c = state.O_T_EE_c;
+    return command;
+  }
+
+  /// The state that a motion's start shows in.
+  RobotState AwaitMove() {
+    std::uint64_t last = 0;
+    for (int i = 0; i < 1000; ++i) {
+      const auto state = client_->AwaitState(last, std::chrono::seconds(20));
+      if (!state) break;
+      if (state->robot_mode == RobotMode::kMove) return *state;
+      last = state->message_id;
+    }
+    throw BrokenPromise("a started motion does not show in a state");
+  }
+
+  /// Answers until the robot has taken the answer. @returns the state that came of it.
+  RobotState Answer(const RobotState& state, RobotCommand command) {
+    RobotState shown = state;
+    for (int i = 0; i < 200; ++i) {
+      command.message_id = shown.message_id;
+      client_->Command(command);
+      // One that crosses with a state sent again is lost.
+      if (const auto next = client_->AwaitState(shown.message_id, std::chrono::milliseconds(100))) {
+        const bool is_again = !has_begun_ && next->robot_mode == RobotMode::kMove &&
+                              next->control_command_success_rate == 0;
+        shown = *next;
+        if (is_again) continue;
+        has_begun_ = true;
+        return shown;
+      }
+    }
+    throw BrokenPromise("the robot does not go on after an answer");
+  }
+
+  void RunMotion() {
+    mode_ = RobotMode::kMove;
+    has_begun_ = false;
+    RobotState state = AwaitMove();
+    for (int i = dice_.Whole(1, 30); i > 0; --i) {
+      state = Answer(state, Same(state));
+      if (state.robot_mode != RobotMode::kMove) {
+        throw BrokenPromise(fmt::format("a motion that stands still is ended: {}",
+                                        FormatErrors(state.reflex_reason)));
+      }
+      if (dice_.Chance(0.1)) AskSeveral();
+      if (dice_.Chance(0.05)) SendJunk();
+      if (dice_.Chance(0.03)) TrySecondClient();
+      if (dice_.Chance(0.03)) AskForRecovery();
+    }
+    EndMotion(state);
+  }
+
+  void EndMotion(const RobotState& state) {
+    switch (dice_.Whole(0, 3)) {
+      case 0: {
+        Note("finish");
+        RobotCommand last = Same(state);
+        last.motion_generation_finished = true;
+        // As long as it is in motion it waits for answers.
+        RobotState now = state;
+        while (now.robot_mode == RobotMode::kMove) now = Answer(now, last);
+        return AwaitEnd(MoveStatus::kSuccess, RobotMode::kIdle);
+      }
+      case 1: {
+        Note("stop");
+        const std::uint8_t status = client_->Ask(fci::StopMove());
+        Require(status == kSuccess, "StopMove of a motion", status);
+        return AwaitEnd(MoveStatus::kPreempted, RobotMode::kIdle);
+      }
+      case 2: {
+        Note("step");
+        RobotCommand step = Same(state);
+        step.q_c[0] += 1;
+        step.dq_c[0] += 10;
+        step.O_T_EE_c[12] += 1;
+        step.O_dP_EE_c[0] += 10;
+        step.tau_J_d[0] += 1000;
+        static_cast<void>(Answer(state, step));
+        return AwaitEnd(MoveStatus::kReflexAborted, RobotMode::kReflex);
+      }
+      default: return;  // the client leaves in motion
+    }
+  }
+
+  void AwaitEnd(MoveStatus end, RobotMode mode) {
+    const auto status = static_cast<MoveStatus>(client_->AwaitAnswer(*motion_));
+    Require(status == end, fmt::format("a motion that should end with status {}", Byte(end)),
+            Byte(status));
+    motion_.reset();
+    mode_ = mode;
+  }
+
+  void Leave() {
+    left_moving_ = motion_.has_value();
+    switch (dice_.Whole(0, 2)) {
+      case 0:
+        Note("close");
+        client_->Close();
+        break;
+      case 1:
+        Note("reset");
+        client_->Reset();
+        break;
+      default: {
+        Note("malformed frame");
+        std::vector<std::byte> bytes;
+        client_->Frame(DrawMove(), bytes);
+        bytes[8] = static_cast<std::byte>(dice_.Whole(0, 67));  // its size; 68 is right
+        client_->Send(bytes);
+        client_->AwaitClosed();
+      }
+    }
+    if (left_moving_) mode_ = RobotMode::kIdle;  // the server stops the motion
+  }
+
+  Dice dice_;
+  CycleWatch watch_;
+  std::optional<server::ServedRobot> service_;
+  std::optional<WireClient> client_;
+  std::vector<std::string> done_;
+  RobotMode mode_ = RobotMode::kIdle;
+  std::optional<std::uint32_t> motion_;  ///< command_id of the running motion's Move
+  bool has_begun_ = false;               ///< the motion's first command was taken
+  bool left_moving_ = false;             ///< the last client left in motion
+};
+
+}  // namespace
+
+Outcome RunSessionWorld(std::uint64_t seed) {
+  return SessionWorld(seed).Run();
+}
+
+}  // namespace twin::campaign

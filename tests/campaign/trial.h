@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "campaign/watch.h"
+#include "twin/run/catalogue.h"
+#include "twin/scenario/scenario.h"
+
+namespace twin::campaign {
+
+/// What a world's seed decided.
+struct Chance {
+  std::uint64_t lost = 0;        ///< messages
+  std::uint64_t lost_hash = 0;   ///< which
+  std::uint64_t costs = 0;       ///< ticks with a drawn duration
+  std::uint64_t costs_hash = 0;  ///< how long they took
+};
+
+/// What came of a world.
+struct Outcome {
+  std::optional<Finding> finding;  ///< the first violation
+  std::string refusal;             ///< why it was no run; empty: it was
+  std::string end;                 ///< "success", "aborted: ...", ...
+  std::uint64_t cycles = 0;
+  std::uint64_t states_hash = 0;
+  Chance chance;
+};
+
+/// Runs a world once, watched.
+///
+/// Threads: any; runs share nothing but files.cache.
+[[nodiscard]] Outcome RunOnce(const scenario::Scenario& world, const run::Catalogue& catalogue,
+                              const run::RunFiles& files);
+
+/// The same, and then what must not change its states: its text read back, and run without a watch;
+/// the same text again with a log and a page's feed; and what must: another seed.
+/// @param repeats  false: only once.
+[[nodiscard]] Outcome RunWorld(const scenario::Scenario& world, const run::Catalogue& catalogue,
+                               const run::RunFiles& files, bool repeats);
+
+/// Whether only RunWorld's repeats show a violation of it.
+[[nodiscard]] inline bool NeedsRepeats(std::string_view invariant) {
+  return invariant == "repeats" || invariant == "seed";
+}
+
+/// The smallest world found that still violates the same invariant: what is not needed is taken
+/// away, one thing after the other, until nothing more can be.
+[[nodiscard]] scenario::Scenario Shrink(scenario::Scenario world, std::string_view invariant,
+                                        const run::Catalogue& catalogue,
+                                        const run::RunFiles& files);
+
+}  // namespace twin::campaign

@@ -1,0 +1,378 @@
+#include "campaign/watch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "conformance/reference_rules.h"
+#include "conformance/rig.h"
+#include "twin/core/error.h"
+#include "twin/core/hand_command.h"
+#include "twin/core/limits.h"
+#include "twin/core/modes.h"
+#include "twin/core/time.h"
+
+namespace twin::campaign {
+
+namespace {
+
+constexpr int kMillisecondsToRest = 1000;  ///< after an abort
+constexpr double kRestSpeed = 0.05;        ///< measured, rad/s
+constexpr double kWildShare = 2;           ///< of the velocity limit, that no arm moves at
+constexpr double kGoalNear = 1e-4;         ///< rad: what is left of the speed at which motions end
+constexpr double kFinishSpeed = 1e-3;      ///< of the reference, rad/s
+constexpr double kFinishAcceleration = 1;  ///< rad/s^2
+constexpr Duration kHandLate = 12 * kCycle;  ///< from when a command is due to its beginning
+constexpr double kHandNear = 1e-3;           ///< m
+
+bool IsFinite(const record::TickRecord& tick) {
+  const RobotCommand& c = tick.command;
+  return twin::IsFinite(tick.q_ext) && twin::IsFinite(tick.dq_ext) && twin::IsFinite(c.q_c) &&
+         twin::IsFinite(c.dq_c) && twin::IsFinite(c.O_T_EE_c) && twin::IsFinite(c.O_dP_EE_c) &&
+         twin::IsFinite(c.elbow_c) && twin::IsFinite(c.tau_J_d);
+}
+
+}  // namespace
+
+/// Passes everything on, and tells the watch of requests.
+class WatchedBackend final : public backend::Backend {
+ public:
+  WatchedBackend(std::unique_ptr<backend::Backend> inner, Watch& watch)
+      : inner_(std::move(inner)), watch_(watch) {}
+
+  [[nodiscard]] backend::Description Describe() const override { return inner_->Describe(); }
+  void Configure(const Setting& setting) override {
+    Told([&] { inner_->Configure(setting); },
+         [&](test::StateChecker& checker, bool accepted) { checker.OnSetting(setting, accepted); });
+  }
+  void Start(const MotionModes& modes) override {
+    Told([&] { inner_->Start(modes); },
+         [&](test::StateChecker& checker, bool accepted) { checker.OnStart(modes, accepted); });
+  }
+  [[nodiscard]] backend::ReadResult Read(backend::ReadRule rule, RobotState& state,
+                                         Time& arrival) noexcept override TWIN_REALTIME {
+    return inner_->Read(rule, state, arrival);
+  }
+  void Write(const RobotCommand& command) noexcept override TWIN_REALTIME {
+    inner_->Write(command);
+  }
+  void Stop() override {
+    Told([&] { inner_->Stop(); },
+         [](test::StateChecker& checker, bool accepted) {
+           checker.OnRequest(test::Ask::kStopMove, accepted);
+         });
+  }
+  void Recover() override {
+    Told([&] { inner_->Recover(); },
+         [](test::StateChecker& checker, bool accepted) {
+           checker.OnRequest(test::Ask::kAutomaticErrorRecovery, accepted);
+         });
+  }
+
+ private:
+  template <typename Request, typename Tell>
+  void Told(Request request, Tell tell) {
+    auto& checker = watch_.specification_;
+    try {
+      request();
+    } catch (const Error&) {
+      if (checker) tell(*checker, false);
+      throw;
+    }
+    if (checker) tell(*checker, true);
+  }
+
+  std::unique_ptr<backend::Backend> inner_;
+  Watch& watch_;
+};
+
+backend::Registry Watch::Watched(const backend::Registry& backends) {
+  backend::Registry watched;
+  watched.Add("mujoco", [this, connect = backends.Find("mujoco")](const backend::Request& request) {
+    backend::Connection connection = connect(request);
+    robot_ = test::ToCheck(request.robot);
+    backend::Backend* const inner = connection.backend.get();
+    // Buttons are pressed inside the robot, where their time is known and their outcome is not; and
+    // the checker takes the measured arm to be where the reference is.
+    if (world_.panel.empty() && world_.plant.kind == robot::PlantKind::kIdeal) {
+      specification_.emplace(*robot_, [inner] { return inner->Describe(); });
+    }
+    connection.backend = std::make_unique<WatchedBackend>(std::move(connection.backend), *this);
+    return connection;
+  });
+  return watched;
+}
+
+void Watch::Note(std::string_view invariant, const test::Finding& finding) {
+  if (finding && !finding_) finding_ = Finding{invariant, *finding};
+}
+
+void Watch::Put(const record::TickRecord& record) noexcept {
+  if (!IsFinite(record)) {
+    Note("finite", fmt::format("the tick of state {} is not finite", record.message_id));
+  }
+  if (record.message_id <= last_tick_ && last_tick_ != 0) {
+    Note("ids", fmt::format("the tick of state {} comes after that of state {}", record.message_id,
+                            last_tick_));
+  }
+  last_tick_ = record.message_id;
+  if (!world_.application) {
+    messages_.OnTick(record);
+    CheckLimiter(record);
+    CheckFinish(record);
+  }
+  skipped_ += record.skipped_states;
+  ticks_[record.message_id % kKept] = record;
+  if (WasWritten(record)) ++written_;
+}
+
+void Watch::Put(const record::CycleRecord& record) noexcept {
+  ++cycles_;
+  const RobotState& state = record.state;
+  Note("finite", test::FindNotFinite(state));
+  if (last_ && state.message_id != last_->state.message_id + 1) {
+    Note("ids",
+         fmt::format("state {} follows state {}", state.message_id, last_->state.message_id));
+  }
+  CheckCount(record);
+  CheckSpecification(record);
+  if (last_) CheckReference(last_->state, state, record.violated);
+  CheckViability(record);
+  CheckRest(state);
+  CheckPanel(state);
+  if (!world_.application) messages_.OnCycle(record);
+  last_ = record;
+}
+
+void Watch::CheckSpecification(const record::CycleRecord& record) {
+  if (!specification_) return;
+  if (record.fate == record::CommandFate::kServed && last_) {
+    specification_->OnCommand(ticks_[last_->state.message_id % kKept].command);
+  }
+  specification_->OnState(record.state);
+  Note("specification", specification_->finding());
+}
+
+void Watch::CheckCount(const record::CycleRecord& record) {
+  const std::uint64_t id = record.state.message_id;
+  counts_.dropped += record.dropped;
+  const std::uint32_t lost_before = last_ ? last_->lost_in_row : 0;
+  if (record.fate == record::CommandFate::kHeld) {
+    ++counts_.held;
+    counts_.longest_loss = std::max<std::uint64_t>(counts_.longest_loss, record.lost_in_row);
+    if (record.lost_in_row != lost_before + 1) {
+      Note("holds", fmt::format("cycle {}: {} held in a row, after {}", id, record.lost_in_row,
+                                lost_before));
+    }
+    const std::uint32_t most = robot_ ? robot_->limits.abort_after_lost : 20;
+    if (record.lost_in_row >= most && record.state.robot_mode == RobotMode::kMove) {
+      Note("holds", fmt::format("cycle {}: the motion goes on after {} lost commands", id,
+                                record.lost_in_row));
+    }
+    return;
+  }
+  if (record.fate != record::CommandFate::kServed) return;
+  ++counts_.served;
+  const record::TickRecord& tick = ticks_[(id - 1) % kKept];
+  const bool is_known = tick.message_id == id - 1 && WasWritten(tick);
+  if (!is_known) {
+    Note("account", fmt::format("cycle {}: a command was served that nobody wrote", id));
+  } else if (tick.written > record.at) {
+    Note("account", fmt::format("cycle {}: its command was written after it", id));
+  }
+  finish_served_ = finish_served_ || (is_known && tick.command.motion_generation_finished);
+}
+
+void Watch::CheckReference(const RobotState& before, const RobotState& after, bool violated) {
+  const bool moves = before.robot_mode == RobotMode::kMove && after.robot_mode == RobotMode::kMove;
+  // An external controller moves the arm, and the reference with it; people do when they guide.
+  if (!moves || violated || after.controller_mode == ControllerMode::kExternalController) return;
+  Note("reference", test::FindBrokenDifferences(before, after));
+  Note("reference", test::FindBeyondLimits(before, after, robot_->limits.joints));
+  for (std::size_t i = 0; i < kJoints && world_.perturbations.empty(); ++i) {
+    if (std::abs(after.dq[i]) <= kWildShare * robot_->limits.joints.dq_max[i]) continue;
+    Note("energy",
+         fmt::format("cycle {}: joint {} moves at {} rad/s", after.message_id, i + 1, after.dq[i]));
+  }
+}
+
+void Watch::CheckViability(const record::CycleRecord& record) {
+  const bool is_joint = world_.motion.interface == control::CommandInterface::kJointPosition ||
+                        world_.motion.interface == control::CommandInterface::kJointVelocity;
+  const bool has_low_pass = world_.onboard.filters.joint_position_hz < 1000 ||
+                            world_.onboard.filters.joint_velocity_hz < 1000;
+  if (!world_.tick.viability || !is_joint || has_low_pass) return;
+  // The synchronous loop answers late states.
+  if (world_.loop == loop::LoopKind::kSynchronous) return;
+  if (!record.violated || static_cast<int>(counts_.longest_loss) > *world_.tick.viability) return;
+  switch (record.violation.error) {
+    case RobotError::kJointMotionGeneratorPositionLimitsViolation:
+    case RobotError::kJointMotionGeneratorVelocityLimitsViolation:
+    case RobotError::kJointMotionGeneratorVelocityDiscontinuity:
+    case RobotError::kJointMotionGeneratorAccelerationDiscontinuity:
+      Note("viability",
+           fmt::format("cycle {}: {} after {} losses, kept for {}", record.state.message_id,
+                       Name(record.violation.error), counts_.longest_loss, *world_.tick.viability));
+      break;
+    default: break;
+  }
+}
+
+void Watch::CheckRest(const RobotState& state) {
+  const bool was_moving = last_ && last_->state.robot_mode == RobotMode::kMove;
+  if (was_moving && state.robot_mode == RobotMode::kReflex) since_abort_ = 0;
+  if (since_abort_ < 0) return;
+  if (state.robot_mode != RobotMode::kReflex) {
+    since_abort_ = -1;
+    return;
+  }
+  if (++since_abort_ != kMillisecondsToRest || !world_.perturbations.empty()) return;
+  const auto fastest = std::ranges::max(state.dq, {}, [](double dq) { return std::abs(dq); });
+  if (std::abs(fastest) > kRestSpeed) {
+    Note("rest", fmt::format("cycle {}: 1 s after an abort a joint moves at {} rad/s",
+                             state.message_id, fastest));
+  }
+}
+
+void Watch::CheckLimiter(const record::TickRecord& tick) {
+  if (!world_.tick.limiter || !record::WroteCommand(tick) || tick.kept_back != 0) return;
+  if (!last_ || last_->state.message_id != tick.message_id) return;
+  const RobotState& state = last_->state;
+  const JointLimits& limits = robot_->limits.joints;
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    double value = 0;
+    double limit = limits.ddq_max[i];
+    switch (world_.motion.interface) {
+      case control::CommandInterface::kJointPosition:
+        value = ((tick.command.q_c[i] - state.q_d[i]) / kT - state.dq_d[i]) / kT;
+        break;
+      case control::CommandInterface::kJointVelocity:
+        value = (tick.command.dq_c[i] - state.dq_d[i]) / kT;
+        break;
+      case control::CommandInterface::kTorque:
+        value = (tick.command.tau_J_d[i] - state.tau_J_d[i]) / kT;
+        limit = limits.dtau_max[i];
+        break;
+      case control::CommandInterface::kCartesianPose: return;
+    }
+    if (std::abs(value) <= limit) continue;
+    Note("limiter", fmt::format("the command for state {}: joint {} at {}, and the limit is {}",
+                                tick.message_id, i + 1, value, limit));
+  }
+}
+
+void Watch::CheckFinish(const record::TickRecord& tick) {
+  const bool is_first = tick.action == record::TickAction::kFinished && !finishes_;
+  if (finishes_ && tick.action == record::TickAction::kWritten) {
+    Note("finish", fmt::format("the command for state {} does not finish, as the one before did",
+                               tick.message_id));
+  }
+  finishes_ = finishes_ || is_first;
+  const bool must_rest =
+      world_.tick.generator == loop::Generator::kRejoining || world_.tick.viability;
+  if (!is_first || !must_rest || !last_ || last_->state.message_id != tick.message_id) return;
+  const RobotState& state = last_->state;
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    if (std::abs(state.dq_d[i]) <= kFinishSpeed &&
+        std::abs(state.ddq_d[i]) <= kFinishAcceleration) {
+      continue;
+    }
+    Note("finish", fmt::format("the command for state {} finishes with joint {} at {} rad/s, {} "
+                               "rad/s^2",
+                               tick.message_id, i + 1, state.dq_d[i], state.ddq_d[i]));
+  }
+}
+
+void Watch::CheckPanel(const RobotState& state) {
+  // Actions are taken before the cycle that follows their state.
+  const Duration before = (static_cast<Duration::rep>(state.message_id) - 1) * kCycle;
+  bool is_pressed = false;
+  for (const robot::PanelEvent& event : world_.panel) {
+    if (event.at > before) break;
+    if (event.action == PanelAction::kPressUserStop) is_pressed = true;
+    if (event.action == PanelAction::kReleaseUserStop) is_pressed = false;
+  }
+  if (!is_pressed || state.robot_mode == RobotMode::kUserStopped) return;
+  Note("panel", fmt::format("cycle {}: the user stop is pressed, and the mode is {}",
+                            state.message_id, Name(state.robot_mode)));
+}
+
+void Watch::CheckHand(const run::RunResult& result) {
+  if (!result.hand) return;
+  const Time end(result.report.simulated);
+  for (std::size_t i = 0; i < world_.hand.size(); ++i) {
+    const run::HandOutcome& outcome = result.hand->commands[i];
+    const Time due(world_.hand[i].at);
+    const bool is_last = i + 1 == world_.hand.size();
+    const bool was_followed = !is_last && result.hand->commands[i + 1].begun.has_value();
+    if (!outcome.begun) {
+      if (due + kHandLate < end) {
+        Note("hand", fmt::format("command {} did not begin, and the run went on", i + 1));
+      }
+    } else if (*outcome.begun < due || *outcome.begun > due + kHandLate) {
+      Note("hand", fmt::format("command {} began {} ns after it was due", i + 1,
+                               (*outcome.begun - due).count()));
+    } else if (was_followed && !outcome.result) {
+      Note("hand", fmt::format("command {} has no result, and another followed", i + 1));
+    }
+    const auto* move = std::get_if<hand::Move>(&world_.hand[i].command);
+    if (move == nullptr || outcome.result != HandResult::kSuccess) continue;
+    if (std::abs(outcome.width - move->width) > kHandNear) {
+      Note("hand", fmt::format("command {}: the hand is {} m open and should be {} m", i + 1,
+                               outcome.width, move->width));
+    }
+  }
+}
+
+void Watch::CheckEnd(const run::RunResult& result) {
+  if (result.report.end == backend::MotionEnd::kSuccess && !finish_served_) {
+    Note("finish", "the motion succeeded without a finished command");
+  }
+  const bool is_told = result.report.end == backend::MotionEnd::kSuccess ||
+                       result.report.errors.any() || !result.report.failure.empty() ||
+                       result.report.end == backend::MotionEnd::kPreempted ||
+                       result.report.end == backend::MotionEnd::kUserStopped;
+  if (!is_told) Note("finish", "the motion ended and nobody says why");
+  if (result.report.end != backend::MotionEnd::kSuccess || !last_ ||
+      world_.motion.interface != control::CommandInterface::kJointPosition ||
+      !world_.motion.poses.empty()) {  // whose goal is no waypoint
+    return;
+  }
+  const double allowed = world_.tick.finish_tolerance + world_.controller.target_noise + kGoalNear;
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const double off = last_->state.q_d[i] - result.goal[i];
+    if (std::abs(off) <= allowed) continue;
+    Note("finish",
+         fmt::format("the motion succeeded {} rad from the goal of joint {}", off, i + 1));
+  }
+}
+
+std::optional<Finding> Watch::End(const run::RunResult& result) {
+  const run::CycleCounts& counts = result.counts;
+  if (counts.served != counts_.served || counts.held != counts_.held ||
+      counts.dropped != counts_.dropped || counts.longest_loss != counts_.longest_loss) {
+    Note("account",
+         fmt::format("the result tells of {} served, {} held ({} in a row), {} dropped; the cycles "
+                     "of {}, {} ({}), {}",
+                     counts.served, counts.held, counts.longest_loss, counts.dropped,
+                     counts_.served, counts_.held, counts_.longest_loss, counts_.dropped));
+  }
+  if (counts_.served + counts_.dropped > 2 * written_) {
+    Note("account", fmt::format("{} served and {} dropped of {} written", counts_.served,
+                                counts_.dropped, written_));
+  }
+  const loop::LoopTimings& timings = result.report.timings;
+  if (timings.written != written_ || timings.skipped_states != skipped_) {
+    Note("account", fmt::format("the report tells of {} written and {} states skipped; the ticks "
+                                "of {}, {}",
+                                timings.written, timings.skipped_states, written_, skipped_));
+  }
+  messages_.End();
+  CheckHand(result);
+  CheckEnd(result);
+  return finding_;
+}
+
+}  // namespace twin::campaign

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "campaign/message_watch.h"
+#include "conformance/state_checker.h"
+#include "twin/backend/registry.h"
+#include "twin/record/cycle_record.h"
+#include "twin/run/result.h"
+#include "twin/scenario/scenario.h"
+
+namespace twin::campaign {
+
+/// A violated invariant.
+struct Finding {
+  std::string_view invariant;  ///< its name in README.md
+  std::string text;            ///< cycle, values
+
+  bool operator==(const Finding&) const = default;
+};
+
+/// Watches a run in lockstep, cycle by cycle, and tells the first invariant that is violated.
+/// README.md names the invariants and the documents they come from.
+///
+/// Threads: the run's.
+class Watch final : public record::RecordSink {
+ public:
+  /// @param world  must outlive this.
+  explicit Watch(const scenario::Scenario& world)
+      : world_(world), messages_(world, [this](std::string_view invariant, const auto& finding) {
+          Note(invariant, finding);
+        }) {}
+  Watch(const Watch&) = delete;
+  Watch& operator=(const Watch&) = delete;
+
+  /// The registry's backends with a watched one in the place of "mujoco", whose requests this sees.
+  [[nodiscard]] backend::Registry Watched(const backend::Registry& backends);
+
+  void Put(const record::CycleRecord& record) noexcept TWIN_REALTIME override;
+  void Put(const record::TickRecord& record) noexcept TWIN_REALTIME override;
+
+  /// After the run. @returns the first finding; nullopt: none.
+  [[nodiscard]] std::optional<Finding> End(const run::RunResult& result);
+
+  /// So far; of an application, whose end is no run's.
+  [[nodiscard]] const std::optional<Finding>& finding() const { return finding_; }
+  /// Cycles seen.
+  [[nodiscard]] std::uint64_t cycles() const { return cycles_; }
+  [[nodiscard]] const MessageWatch& messages() const { return messages_; }
+
+ private:
+  friend class WatchedBackend;
+
+  void Note(std::string_view invariant, const test::Finding& finding);
+  void CheckSpecification(const record::CycleRecord& record);
+  void CheckCount(const record::CycleRecord& record);
+  void CheckReference(const RobotState& before, const RobotState& after, bool violated);
+  void CheckViability(const record::CycleRecord& record);
+  void CheckRest(const RobotState& state);
+  void CheckLimiter(const record::TickRecord& tick);
+  void CheckFinish(const record::TickRecord& tick);
+  void CheckPanel(const RobotState& state);
+  void CheckHand(const run::RunResult& result);
+  void CheckEnd(const run::RunResult& result);
+
+  static constexpr std::size_t kKept = 1024;  ///< ticks, by the id that they answer
+
+  const scenario::Scenario& world_;
+  MessageWatch messages_;
+  std::optional<test::CheckedRobot> robot_;
+  std::optional<test::StateChecker> specification_;
+  std::optional<Finding> finding_;
+  std::optional<record::CycleRecord> last_;
+  std::array<record::TickRecord, kKept> ticks_{};
+  std::uint64_t cycles_ = 0;
+  run::CycleCounts counts_;  ///< by a recount of its own
+  std::uint64_t written_ = 0;
+  std::uint64_t skipped_ = 0;  ///< states
+  std::uint64_t last_tick_ = 0;
+  bool finish_served_ = false;
+  bool finishes_ = false;  ///< the workstation has sent a finished command
+  int since_abort_ = -1;   ///< cycles since a motion was ended by an error; -1: none was
+};
+
+}  // namespace twin::campaign

@@ -1,0 +1,69 @@
+#!/usr/bin/env python3
+"""Two programs of unmodified panda-python, in processes of their own, each lead a robot of one scene that `panda-twin serve` serves:
+
+    cell_test.py PROGRAM SOURCE_TREE [unittest options]
+"""
+
+import concurrent.futures
+import importlib.util
+import ipaddress
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import types
+import unittest
+
+import panda_python_test
+from twin_server import TwinServer
+
+PROGRAM, SOURCE = "", pathlib.Path()
+
+
+def after(address):
+    return str(ipaddress.ip_address(address) + 1)
+
+
+class CellTest(unittest.TestCase):
+    def lead_both(self, *options):
+        scenario = SOURCE / "tests/clients/two_arms.yaml"
+        with TwinServer(PROGRAM, SOURCE, "lockstep", scenario, *options) as left, concurrent.futures.ThreadPoolExecutor() as threads:
+            right = types.SimpleNamespace(address=after(left.address), said=left.said)
+            moved = threads.submit(panda_python_test.run_client, left, "joint_moves")
+            posed = threads.submit(panda_python_test.run_client, right, "pose_moves")
+            self.assertEqual(moved.result()[0]["returned"], [True] * 4)
+            self.assertEqual(posed.result()[0]["returned"], [True] * 3)
+            return left.said()
+
+    def test_lockstep(self):
+        said = self.lead_both()
+        for name in ("left", "right"):
+            self.assertIn(f"{name}: panda-twin serves panda", said)
+
+    def test_at_the_pace_of_the_wall_clock(self):
+        self.lead_both("--pace", "1")
+
+    def test_logs_of_both(self):
+        with tempfile.TemporaryDirectory(prefix="panda_twin_cell_") as folder:
+            self.lead_both("--out", folder, "--no-video")
+            for name in ("left", "right"):
+                summary = json.loads((pathlib.Path(folder) / name / "summary.json").read_text())
+                self.assertGreaterEqual(len(summary["motions"]), 3)
+
+    def test_refuses_what_is_of_one_robot(self):
+        for options, what in ((("--page",), "--page"), (("--idle", "freeze", "--drive", "lockstep"), "--idle freeze"),
+                              (("--drive", "realtime"), "--drive realtime")):
+            done = subprocess.run([PROGRAM, "serve", SOURCE / "tests/clients/two_arms.yaml", "--data", SOURCE / "models", *options],
+                                  capture_output=True, text=True, timeout=60)
+            self.assertEqual((done.returncode, done.stderr.count("\n")), (3, 1), done.stderr)
+            self.assertIn(what, done.stderr)
+
+
+if __name__ == "__main__":
+    if importlib.util.find_spec("panda_py") is None:
+        print("missing: panda-python is not installed: scripts/setup")
+        sys.exit(panda_python_test.SKIPPED)
+    PROGRAM, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
+    panda_python_test.PROGRAM, panda_python_test.SOURCE = PROGRAM, SOURCE
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
