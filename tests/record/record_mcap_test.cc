@@ -113,7 +113,8 @@ TEST(McapWriterTest, IndexesEveryChunkOfALongFile) {
   constexpr int kMessages = 2000;  // a chunk each but the shortest: an index of 200 kB
   const auto bytes = SmallFile(kMessages);
   std::vector<std::uint64_t> chunks;
-  for (const auto& place : mcap::Index(mcap::OpenMemory(bytes), "bytes").chunks()) {
+  const mcap::Index index(mcap::OpenMemory(bytes), "bytes");
+  for (const auto& place : index.chunks()) {
     chunks.push_back(place.offset - mcap::kRecordHeaderBytes);
   }
   EXPECT_GT(chunks.size(), kMessages - 100U);
