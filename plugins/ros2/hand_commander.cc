@@ -9,7 +9,7 @@
 namespace twin::ros2 {
 namespace {
 
-constexpr auto kLook = std::chrono::milliseconds(50);
+constexpr auto kLookForStop = std::chrono::milliseconds(50);
 
 }  // namespace
 
@@ -63,7 +63,7 @@ void HandCommander::Execute(const HandWork& work) {
       state = hand.ReadState();
       work.look(state);
       std::unique_lock lock(mutex_);
-      wake_.wait_for(lock, kLook, [&] { return stops_ && !stopped; });
+      wake_.wait_for(lock, kLookForStop, [&] { return stops_ && !stopped; });
       if (stopped || !(stops_ || thread_.get_stop_token().stop_requested())) continue;
       stopped = true;
       lock.unlock();

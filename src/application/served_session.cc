@@ -128,6 +128,7 @@ server::ServedRobotSettings ServedSession::MakeSettings() {
                          .freeze_when_idle = options_.FreezesWhenIdle(),
                          .pace = drive_.pace};
   }
+  if (host_.thread != nullptr) settings.thread = rt::ThreadSettings{.shared = host_.thread};
   if (reset_ == ResetPolicy::kOnConnect) {
     settings.server.on_arm_client = [this] {
       if (!robot_->lockstep()->Reset({})) Tell("arm: not reset: the hand executes a command");

@@ -2,8 +2,10 @@
 
 #include <chrono>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -16,6 +18,7 @@
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
 #include "twin/plant/shared_model.h"
+#include "twin/rt/fiber_thread.h"
 #include "twin/rt/host_time.h"
 #include "twin/run/islands.h"
 #include "twin/scenario/cell.h"
@@ -33,9 +36,6 @@ void RequireCellFlags(const ServeFlags& flags) {
       "--page, --ros, --allow and --reset are of one");
   RefuseIf(flags.FreezesWhenIdle(),
            "--idle freeze: several robots have one time, which stands still for none of them");
-  RefuseIf(flags.drive && scenario::DriveFromName(*flags.drive) != scenario::Drive::kLockstep,
-           "--drive realtime: several robots are served in lockstep; --pace 1 keeps them to the "
-           "wall clock");
 }
 
 /// The served robots and what they share.
@@ -46,9 +46,13 @@ class CellService {
   int Run();
 
  private:
+  [[nodiscard]] bool is_realtime() const {
+    return flags_.drive && scenario::DriveFromName(*flags_.drive) == scenario::Drive::kRealtime;
+  }
   [[nodiscard]] application::ServeHost HostOf(std::size_t robot);
   void Show(const std::string& robot, std::string_view line);
   [[nodiscard]] bool Ends();
+  void End();
 
   const MonotonicClock clock_;
   const ServeFlags& flags_;
@@ -57,6 +61,8 @@ class CellService {
   const scenario::Cell cell_;
   const run::RunFiles files_;
   std::shared_ptr<plant::SharedModel> shared_;
+  /// On the wall clock, of all robots, so that they take their steps together.
+  std::optional<rt::FiberThread> thread_;
   std::mutex showing_;
   std::deque<application::ServedSession> sessions_;  ///< in the order of the robots
 };
@@ -68,12 +74,18 @@ CellService::CellService(const std::filesystem::path& file, const ServeFlags& fl
       cell_(scenario::LoadServedCell(file)),
       files_(FilesOf(flags.data, program)) {
   run::RequireApartAtStart(cell_, files_);
-  shared_ = plant::SharedModel::Create(run::PlantsOf(cell_.robots, files_), {});
+  std::function<void()> others;  // in lockstep each robot has a thread of its own
+  if (is_realtime()) {
+    thread_.emplace(rt::ThreadSettings{.name = "twin-int", .fifo_priority = 98},
+                    [this] { shared_->Release(); });
+    others = rt::FiberThread::GiveWay;
+  }
+  shared_ = plant::SharedModel::Create(run::PlantsOf(cell_.robots, files_), others);
   for (std::size_t i = 0; i < cell_.robots.size(); ++i) {
     application::ServeOptions options = flags;
     options.scenario = file;
     options.yaml = scenario::ToYaml(cell_.robots[i].scenario);
-    options.drive = "lockstep";
+    if (!is_realtime()) options.drive = "lockstep";
     if (flags.out) options.out = *flags.out / cell_.robots[i].name;
     sessions_.emplace_back(options, HostOf(i));
   }
@@ -91,6 +103,7 @@ application::ServeHost CellService::HostOf(std::size_t robot) {
     plant.shared = shared_;
     plant.prefix = run::PrefixOf(one);
   };
+  host.thread = thread_ ? &*thread_ : nullptr;
   host.tell = [this, &one](std::string_view line) { Show(one.name, line); };
   return host;
 }
@@ -111,10 +124,24 @@ bool CellService::Ends() {
   return flags_.seconds && clock_.Now().time_since_epoch() >= FromSeconds(*flags_.seconds);
 }
 
+void CellService::End() {
+  if (thread_) {
+    thread_->Stop();
+  } else {
+    shared_->Release();
+  }
+  for (application::ServedSession& session : sessions_) {
+    session.End([this](std::string_view text) { program_.log->info(text); });
+  }
+}
+
 int CellService::Run() {
   interrupt_.ThrowIfInterrupted();
   for (application::ServedSession& session : sessions_) session.StartLog();
   for (application::ServedSession& session : sessions_) session.robot().Start();
+  if (thread_) {
+    for (const std::string& notice : thread_->Start()) program_.log->info("robots: {}", notice);
+  }
   for (std::size_t i = 0; i < sessions_.size(); ++i) {
     const std::scoped_lock lock(showing_);
     Say(stdout, fmt::format("{}: {}", cell_.robots[i].name, IntroductionOf(flags_, sessions_[i])));
@@ -124,10 +151,7 @@ int CellService::Run() {
   while (!Ends()) rt::SleepUntil(clock_, clock_.Now() + kLook);
   const bool is_interrupted = interrupt_.interrupted();
   if (flags_.out) interrupt_.Rearm();  // a second one must not kill what closes the logs
-  shared_->Release();
-  for (application::ServedSession& session : sessions_) {
-    session.End([this](std::string_view text) { program_.log->info(text); });
-  }
+  End();
   if (flags_.out) {
     Terminal terminal(program_.log, program_.is_quiet());
     for (const application::ServedSession& session : sessions_) {

@@ -3,6 +3,8 @@
 #include <utility>
 
 #include "twin/core/error.h"
+#include "twin/rt/fiber_thread.h"
+#include "twin/rt/host_time.h"
 
 namespace twin::robot {
 namespace {
@@ -22,21 +24,37 @@ ThreadedRobot::ThreadedRobot(const RobotConfig& config, std::unique_ptr<plant::P
       calls_(clock) {}
 
 void ThreadedRobot::Begin() {
-  TWIN_CHECK(!thread_.joinable());
   const std::scoped_lock lock(requests_);
-  rt::StartedThread started =
-      rt::StartThread(thread_settings_, [this](const std::stop_token& stop) { Run(stop); });
-  thread_ = std::move(started.thread);
-  notices_ = std::move(started.notices);
+  TWIN_CHECK(!running_);
+  auto run = [this](const std::stop_token& stop) { Run(stop); };
+  if (thread_settings_.shared != nullptr) {
+    thread_settings_.shared->Add(run);
+  } else {
+    rt::StartedThread started = rt::StartThread(thread_settings_, run);
+    thread_ = std::move(started.thread);
+    notices_ = std::move(started.notices);
+  }
   running_ = true;
 }
 
 void ThreadedRobot::End() {
   const std::scoped_lock lock(requests_);
-  if (!thread_.joinable()) return;
-  thread_.request_stop();
-  thread_.join();
+  if (!running_) return;
+  if (thread_settings_.shared != nullptr) {
+    thread_settings_.shared->Stop();
+  } else {
+    thread_.request_stop();
+    thread_.join();
+  }
   running_ = false;
+}
+
+void ThreadedRobot::SleepUntil(Time deadline) noexcept {
+  if (thread_settings_.shared != nullptr) {
+    rt::FiberThread::SleepUntil(clock_, deadline);
+  } else {
+    rt::SleepUntil(clock_, deadline);
+  }
 }
 
 void ThreadedRobot::DropCommands() noexcept {

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "twin/rt/host_time.h"
-
 namespace twin::robot {
 namespace {
 
@@ -48,7 +46,7 @@ void WallClockRobot::Run(const std::stop_token& stop) noexcept {
     Time wake = *events().NextTime();  // a next cycle always exists
     if (wake <= now && now - rested > kLongestWork) wake = now + kRest;
     if (wake > now) {
-      rt::SleepUntil(clock(), wake);
+      SleepUntil(wake);
       rested = wake;
     }
     WorkOff(clock().Now());

@@ -15,10 +15,13 @@ import tempfile
 import types
 import unittest
 
-import panda_python_test
-from twin_server import TwinServer
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+import panda_python_test  # noqa: E402: after the path
+import witness  # noqa: E402: found by the path above
+from twin_server import TwinServer  # noqa: E402
 
 PROGRAM, SOURCE = "", pathlib.Path()
+SPOILT_BY = witness.ENDS_A_MOTION | witness.JUMPS
 
 
 def after(address):
@@ -26,14 +29,17 @@ def after(address):
 
 
 class CellTest(unittest.TestCase):
-    def lead_both(self, *options):
+    def lead_both(self, *options, drive="lockstep"):
         scenario = SOURCE / "tests/clients/two_arms.yaml"
-        with TwinServer(PROGRAM, SOURCE, "lockstep", scenario, *options) as left, concurrent.futures.ThreadPoolExecutor() as threads:
+        with TwinServer(PROGRAM, SOURCE, drive, scenario, *options) as left, concurrent.futures.ThreadPoolExecutor() as threads:
             right = types.SimpleNamespace(address=after(left.address), said=left.said)
             moved = threads.submit(panda_python_test.run_client, left, "joint_moves")
             posed = threads.submit(panda_python_test.run_client, right, "pose_moves")
-            self.assertEqual(moved.result()[0]["returned"], [True] * 4)
-            self.assertEqual(posed.result()[0]["returned"], [True] * 3)
+            for program, motions in (moved, 4), (posed, 3):
+                facts, said = program.result()
+                for sign in SPOILT_BY:
+                    self.assertNotIn(sign, said)
+                self.assertEqual(facts["returned"], [True] * motions, said)
             return left.said()
 
     def test_lockstep(self):
@@ -44,6 +50,10 @@ class CellTest(unittest.TestCase):
     def test_at_the_pace_of_the_wall_clock(self):
         self.lead_both("--pace", "1")
 
+    def test_on_the_wall_clock(self):
+        witness.undisturbed(lambda: witness.Witness(PROGRAM), lambda: self.lead_both(drive="realtime"),
+                            SPOILT_BY, attempts=3)
+
     def test_logs_of_both(self):
         with tempfile.TemporaryDirectory(prefix="panda_twin_cell_") as folder:
             self.lead_both("--out", folder, "--no-video")
@@ -53,7 +63,7 @@ class CellTest(unittest.TestCase):
 
     def test_refuses_what_is_of_one_robot(self):
         for options, what in ((("--page",), "--page"), (("--idle", "freeze", "--drive", "lockstep"), "--idle freeze"),
-                              (("--drive", "realtime"), "--drive realtime")):
+                              (("--ros", "--drive", "realtime"), "--ros")):
             done = subprocess.run([PROGRAM, "serve", SOURCE / "tests/clients/two_arms.yaml", "--data", SOURCE / "models", *options],
                                   capture_output=True, text=True, timeout=60)
             self.assertEqual((done.returncode, done.stderr.count("\n")), (3, 1), done.stderr)

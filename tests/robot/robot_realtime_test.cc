@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <exception>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <set>
@@ -25,6 +26,7 @@
 #include "support/undisturbed.h"
 #include "twin/core/error.h"
 #include "twin/robot/realtime_robot.h"
+#include "twin/rt/fiber_thread.h"
 #include "twin/rt/host_time.h"
 
 namespace twin::robot::robot_realtime_test {
@@ -493,6 +495,48 @@ TEST_F(RealtimeRobotTest, ItsThreadAllocatesAndLocksNothing) {
     EXPECT_EQ(counts, test::RealtimeGuard::Counts{});
   });
   robot_->End();  // where an attempt was broken off, before what its plant refers to goes
+}
+
+TEST_F(RealtimeRobotTest, TwoOnOneThreadTakeEachStepTogether) {
+  constexpr int kSteps = 300;
+  test::Undisturbed([&] {
+    int steps = 0;
+    std::optional<test::RealtimeGuard> guard;
+    test::RealtimeGuard::Counts counts;
+    // As the arms of a model do: the step is taken once both are here.
+    const auto meets = [&](int step) {
+      ++steps;
+      while (steps < 2 * step) rt::FiberThread::GiveWay();
+      if (step == 2 && !guard) guard.emplace();
+      if (step == kSteps) counts = guard->counts();
+    };
+    rt::FiberThread thread({.name = "robots", .lock_memory = false},
+                           [&steps] { steps = std::numeric_limits<int>::max() / 2; });
+    const rt::ThreadSettings shared{.shared = &thread};
+    Cycles others(clock_);
+    cycles_.Clear();
+    RealtimeRobot one(test::PandaRobot(), std::make_unique<HookedPlant>(meets), clock_, shared,
+                      &cycles_);
+    RealtimeRobot other(test::PandaRobot(), std::make_unique<HookedPlant>(meets), clock_, shared,
+                        &others);
+    one.Begin();
+    other.Begin();
+    static_cast<void>(thread.Start());
+    ASSERT_EQ(one.Move({}), MoveStatus::kMotionStarted);
+    AwaitCycle(kSteps + 2);
+    EXPECT_EQ(other.mode(), RobotMode::kIdle);
+    one.End();  // and with it the other
+    const std::uint64_t last = others.count();
+    other.End();
+    EXPECT_EQ(others.count(), last);
+    EXPECT_EQ(counts, test::RealtimeGuard::Counts{});
+    ExpectSoundGrid(cycles_.kept(), one.overruns());
+    ExpectSoundGrid(others.kept(), other.overruns());
+    const std::size_t both = std::min(cycles_.kept().size(), others.kept().size());
+    for (std::size_t i = 0; i < both; ++i) {
+      EXPECT_LT(std::chrono::abs(cycles_.kept()[i].at - others.kept()[i].at), kCycle);
+    }
+  });
 }
 
 TEST_F(RealtimeRobotTest, ReadsAndWritesAllocateAndLockNothing) {

@@ -33,6 +33,8 @@ struct ServeHost {
   /// Changes the options of the robot's plant, as to a place in a model of several; empty: it
   /// stands alone.
   std::function<void(plant::MujocoPlantOptions& plant)> place{};
+  /// On the wall clock, the thread that the robot shares with others; null: it has its own.
+  rt::FiberThread* thread = nullptr;
   /// Receives each line about connections, motions and refusals; one call at a time, on any thread.
   server::TellPeople tell;
   /// Gives the sink of the robot's records, once. @param records  where they must go on to; null:

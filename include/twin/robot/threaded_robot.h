@@ -46,10 +46,11 @@ class ThreadedRobot : protected rt::EventHandler {
   ThreadedRobot(const ThreadedRobot&) = delete;
   ThreadedRobot& operator=(const ThreadedRobot&) = delete;
 
-  /// Starts thread and cycles; the first is due one period after thread setup. Once.
-  /// @throws InputError as rt::SetUpThisThread.
+  /// Starts thread and cycles; the first is due one period after thread setup. Once. On a shared
+  /// thread they begin when that is started. @throws InputError as rt::SetUpThisThread.
   void Begin();
-  /// Stops them; afterwards no record is put and no state arrives. A second call has no effect.
+  /// Stops them; afterwards no record is put and no state arrives. A second call has no effect. A
+  /// shared thread stops with all that run on it.
   void End();
 
   /// @throws RobotFault, as all requests, when the robot's thread does not answer within 1 s; the
@@ -99,7 +100,8 @@ class ThreadedRobot : protected rt::EventHandler {
 
   /// @param port    to the workstation; must outlive the robot.
   /// @param clock   of the host; must outlive the robot.
-  /// @param thread  setup of the robot's thread.
+  /// @param thread  setup of the robot's thread, or the thread that it shares with other robots,
+  /// whose plants may then be arms of one model (plant::SharedModel); that must outlive the robot.
   /// @param plant, sink  as in Robot; the robot's thread puts sink's cycle records.
   /// @throws InputError as Robot.
   ThreadedRobot(const RobotConfig& config, std::unique_ptr<plant::Plant> plant,
@@ -127,6 +129,8 @@ class ThreadedRobot : protected rt::EventHandler {
     return hand_ticket_ != hand_before_ && !robot_.HandOutcome(hand_ticket_ - hand_offset_);
   }
   void RunCalls() noexcept TWIN_REALTIME { calls_.RunPending(); }
+  /// Returns at once if it has passed. Robots that share the thread go on meanwhile.
+  void SleepUntil(Time deadline) noexcept TWIN_REALTIME;
   /// Discards messages received before Begin().
   void DropCommands() noexcept;
 

@@ -10,6 +10,8 @@
 
 namespace twin::rt {
 
+class FiberThread;
+
 /// Settings of a thread of the 1 kHz path.
 struct ThreadSettings {
   std::string name{};     ///< shown by tools, at most 15 letters
@@ -20,6 +22,9 @@ struct ThreadSettings {
   std::optional<int> cpu{};    ///< the only allowed processor; absent: any
   bool lock_memory = true;     ///< mlockall of present and future pages of the whole process
   std::size_t stack_kb = 256;  ///< stack to touch in advance
+  /// The thread whose function it becomes, which has its own settings; null: it is a thread. For
+  /// those that know of it (robot::ThreadedRobot).
+  FiberThread* shared = nullptr;
 };
 
 /// Applies `settings` to the calling thread: name, scheduler, processor, memory lock, touched
