@@ -40,8 +40,8 @@ if(TWIN_BUILD_TESTS)
   add_custom_target(stress_tests)
   add_custom_target(memory_tests)
 endif()
-set(TWIN_MEMORY_FOLDERS support core rt record fci onboard plant robot server proxy backend control loop teleop page scenario
-    contract devices ros2 fuzz)
+set(TWIN_MEMORY_FOLDERS support core rt record fci onboard plant robot server proxy backend control loop teleop scenario contract
+    devices fuzz)
 
 function(twin_add_test name)
   cmake_parse_arguments(TEST "ALONE" "TIMEOUT" "SOURCES;LABELS;LINK" ${ARGN})
@@ -92,7 +92,7 @@ function(twin_add_script_test name)
 endfunction()
 
 # The longest tests, begun first: a build that has not run them yet would else wait for one of them at the end.
-set(TWIN_LONG_TESTS panda_python_realtime_test experiment_predictions_test video_test applications_lockstep_test render_test cli_test
+set(TWIN_LONG_TESTS panda_python_realtime_test campaign_test ros2_rclpy_test sweep_test video_test applications_lockstep_test render_test cli_test
     experiment_test conformance_error_table_wire_test run_plan_places_test examples_test conformance_random_streams trace_test
     video_defects_test own_client_realtime_test)
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <string>
 
@@ -6,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "run/resolve.h"
+#include "twin/core/error.h"
 #include "twin/model/lab_limits.h"
 #include "twin/onboard/stop_proof.h"
 #include "twin/run/robot_config.h"
@@ -109,6 +111,25 @@ void RequireWithinLimits(const scenario::Scenario& scenario, const scenario::Rob
   for (Duration t{}; t < end + kCycle; t += kCycle) {
     motion.poses ? limits.Require(t, motion.poses->Sample(t))
                  : limits.Require(t, motion.trajectory.Sample(t));
+  }
+}
+
+void RequireVelocitiesByPosition(const JointLimits& limits, const Motion& motion) {
+  if (limits.deceleration == JointVector{} || motion.live != nullptr || motion.poses) return;
+  const Duration end = motion.trajectory.duration();
+  for (Duration t{}; t < end + kCycle; t += kCycle) {
+    const reference::JointTarget target = motion.trajectory.Sample(t);
+    for (std::size_t i = 0; i < kJoints; ++i) {
+      const double dq = target.dq[i];
+      const double bound =
+          dq > 0 ? limits.UpperVelocity(i, target.q[i]) : limits.LowerVelocity(i, target.q[i]);
+      if (std::abs(dq) <= std::abs(bound) * (1 + kRounding)) continue;
+      throw InputError(fmt::format(
+          "motion: {}: joint {} moves at {:.4f} rad/s; the robot permits {:.4f} where it is, at "
+          "{:.4f} rad in a range of {:.4f} to {:.4f}; give the motion more time, or stay further "
+          "from the ends of the range",
+          WhenText(t, end), i + 1, dq, bound, target.q[i], limits.q_min[i], limits.q_max[i]));
+    }
   }
 }
 

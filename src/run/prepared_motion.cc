@@ -70,6 +70,7 @@ PreparedMotion::PreparedMotion(const scenario::Scenario& scenario, const scenari
       tick_(OfSource(MakeTick(scenario, robot), motion_.source_rate_hz)),
       controller_loop_(MakeControllerLoop(scenario.controller)),
       controller_(MakeController(scenario, robot, motion_, F_T_EE_, known)) {
+  RequireVelocitiesByPosition(robot.limits, motion_);
   RequireWithinLimits(scenario, robot, motion_);
 }
 

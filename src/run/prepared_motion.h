@@ -19,7 +19,8 @@ class PreparedMotion {
  public:
   /// @param scenario  whose sections motion, controller, tick and loop are the motion's: see As().
   /// @throws InputError when the controller is unknown, commands another interface or refuses a
-  /// parameter, and for what the loops find wrong; model::LimitBreach as RequireWithinLimits.
+  /// parameter, and for what the loops find wrong; as RequireVelocitiesByPosition and, a
+  /// model::LimitBreach, RequireWithinLimits.
   PreparedMotion(const scenario::Scenario& scenario, const scenario::RobotData& robot,
                  Motion motion, const control::ControllerRegistry& known);
   PreparedMotion(const PreparedMotion&) = delete;

@@ -64,6 +64,10 @@ struct Plan {
 void RequireWithinLimits(const scenario::Scenario& scenario, const scenario::RobotData& robot,
                          const Motion& motion);
 
+/// Refuses a motion of joints that is too fast for a robot whose velocity limit shrinks towards the
+/// ends of its range, in any cycle. @throws InputError
+void RequireVelocitiesByPosition(const JointLimits& limits, const Motion& motion);
+
 /// Refuses a robot that stands outside the scenario's regions. @throws model::LimitBreach
 void RequireStartWithinLimits(const scenario::Scenario& scenario, const scenario::RobotData& robot,
                               const JointVector& q);

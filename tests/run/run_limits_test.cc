@@ -57,7 +57,7 @@ class RunLimitsTest : public ::testing::Test {
                                     const std::string& motion = TrajectoryText()) const {
     try {
       (void)Prepare(limits, motion);
-    } catch (const model::LimitBreach& breach) {
+    } catch (const InputError& breach) {
       return breach.what();
     }
     return "accepted";
@@ -158,6 +158,26 @@ motion:
                        0),
               0.1);
   }
+}
+
+TEST_F(RunLimitsTest, AMotionThatIsTooFastNearTheEndOfARangeIsRefused) {
+  // Nearly to the end of the range: fast enough for the middle of the range.
+  const auto text = [](const char* model, double time) {
+    return fmt::format(R"(robot: {{model: {}}}
+motion:
+  trajectory:
+    unit: rad
+    waypoints:
+      - {{q: [2.0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854], at: 0 s}}
+      - {{q: [2.74, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854], at: {} s}}
+)",
+                       model, time);
+  };
+  EXPECT_THAT(Refusal("{}", text("fr3", 0.75)),
+              AllOf(HasSubstr("motion: at 0."), HasSubstr("joint 1 moves at"),
+                    HasSubstr("the robot permits 1.8"), HasSubstr("give the motion more time")));
+  EXPECT_NO_THROW((void)Prepare("{}", text("fr3", 2)));
+  EXPECT_NO_THROW((void)Prepare("{}", text("panda", 0.75)));
 }
 
 }  // namespace
