@@ -65,16 +65,14 @@ ServedSession::ServedSession(const ServeOptions& options, ServeHost host)
       host_(std::move(host)),
       drive_(DriveOf(options_)),
       reset_(ResetPolicyOf(options_, drive_)),
-      scenario_(ServedScenarioOf(options_, drive_, host_.files.models)) {
+      scenario_(ServedScenarioOf(options_, drive_, host_.files.models)),
+      robot_data_(scenario::LoadRobotData(host_.files.models, scenario_.robot.model,
+                                          scenario_.robot.hand)) {
   if (options_.out) PrepareResults();
   Open();
 }
 
 ServedSession::~ServedSession() = default;
-
-scenario::RobotData ServedSession::DataOfRobot() const {
-  return scenario::LoadRobotData(host_.files.models, scenario_.robot.model, scenario_.robot.hand);
-}
 
 void ServedSession::PrepareResults() {
   out_.emplace(*options_.out);
@@ -101,7 +99,7 @@ void ServedSession::Open() {
   if (host_.place) host_.place(config.plant);
   server::ServedRobotSettings settings = MakeSettings();
   if (config.protocol == fci::VersionOf(fci::Protocol::k10)) {
-    settings.server.robot_model = ServedModel(DataOfRobot().urdf);
+    settings.server.robot_model = ServedModel(robot_data_.urdf);
   }
   if (!host_.takes_free_address) return OpenThere(config, std::move(settings));
   for (std::uint32_t first = kFirstAddress;; ++first) {
@@ -152,7 +150,7 @@ scenario::Scenario ServedSession::LoggedScenario() const {
 void ServedSession::StartLog() {
   if (out_) out_->Clear();
   if (!has_log()) return;
-  records_.Log(out_ ? out_->log() : *options_.log, run::InfoOf(LoggedScenario(), DataOfRobot()),
+  records_.Log(out_ ? out_->log() : *options_.log, run::InfoOf(LoggedScenario(), robot_data_),
                drive_.is_lockstep() ? record::FullRing::kWait : record::FullRing::kDrop,
                options_.SplitOfLog());
   // With scenes, so that pictures of it show hand and objects as they were, and with what the arm
@@ -194,10 +192,9 @@ void ServedSession::WriteResults(run::Console& console) const {
   const plant::TruthProbe* truth = robot_->truth();
   const bool has_scenes = truth != nullptr && run::RunRecords::CanFilm(*truth);
   const scenario::Scenario logged = LoggedScenario();
-  const scenario::RobotData robot = DataOfRobot();
   WriteSessionResults({.out = *out_,
                        .scenario = logged,
-                       .robot = robot,
+                       .robot = robot_data_,
                        .files = host_.files,
                        .makes_video = has_scenes && scenario_.render.enabled && !options_.no_video,
                        .facts = {{"robot", scenario_.robot.model},

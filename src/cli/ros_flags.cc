@@ -73,7 +73,7 @@ class FastRosBridge final : public RosBridge {
         .files = session.files(),
         .client = application::OwnClientOf(session.scenario()),
         .settings = application::OwnClientAt(robot.arm(), hand),
-        .data = session.DataOfRobot(),
+        .data = session.robot_data(),
         .follows_wall_clock = !session.drive().is_lockstep() || session.drive().pace == 1.0};
     if (hand) bridged.hand = [&robot] { return robot.robot().hand_state(); };
     bridged.simulation.emplace(ros2::Simulation{

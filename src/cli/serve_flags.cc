@@ -91,7 +91,7 @@ std::string IntroductionOf(const ServeFlags& flags, application::ServedSession& 
   }
   text += fmt::format("  arm   {}\n", fci::ToString(robot.arm()));
   if (const auto hand = robot.hand()) text += fmt::format("  hand  {}\n", fci::ToString(*hand));
-  text += DescribeClients(robot, session.DataOfRobot().protocol);
+  text += DescribeClients(robot, session.robot_data().protocol);
   text += flags.seconds ? fmt::format("  ends  after {} s, or on Ctrl-C\n", *flags.seconds)
                         : "  ends  on Ctrl-C\n";
   text += fmt::format("  {}\n", DescribeAccess(flags.network));

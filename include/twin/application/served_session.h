@@ -62,7 +62,7 @@ class ServedSession {
   [[nodiscard]] const ServeDrive& drive() const noexcept { return drive_; }
   [[nodiscard]] ResetPolicy reset() const noexcept { return reset_; }
   [[nodiscard]] const run::RunFiles& files() const noexcept { return host_.files; }
-  [[nodiscard]] scenario::RobotData DataOfRobot() const;
+  [[nodiscard]] const scenario::RobotData& robot_data() const noexcept { return robot_data_; }
   [[nodiscard]] bool has_log() const noexcept { return options_.log || options_.out; }
   /// Null without ServeOptions::out.
   [[nodiscard]] const run::ResultFolder* out() const noexcept { return out_ ? &*out_ : nullptr; }
@@ -96,6 +96,7 @@ class ServedSession {
   const ServeDrive drive_;
   const ResetPolicy reset_;
   const scenario::Scenario scenario_;
+  const scenario::RobotData robot_data_;
   std::optional<run::ResultFolder> out_;
   run::RunRecords records_;  ///< of the log
   run::ToldEvents told_{records_};

@@ -145,7 +145,7 @@ void Service::OpenPage() {
   settings.title = scenario.name.empty() ? "panda-twin serve" : scenario.name;
   settings.about = fmt::format("{}, served at {}, drive {}", scenario.robot.model,
                                fci::ToString(robot.arm()), scenario.drive_name());
-  settings.limits = session_->DataOfRobot().limits;
+  settings.limits = session_->robot_data().limits;
   settings.stop = [this] { PressUserStop(true); };
   settings.release = [this] { PressUserStop(false); };
   if (session_->out() != nullptr) {
