@@ -6,7 +6,9 @@ import importlib.util
 from . import _core
 from . import _host as _host  # tells the module where its files are
 from . import model as model
+from ._cell import Cell, Robots
 from ._core import (
+    Cancelled,
     CartesianPose,
     CartesianVelocities,
     HandOutcome,
@@ -23,9 +25,10 @@ from ._core import (
 from ._errors import RobotFault
 from ._log import Log, LogMeta, Table
 from ._results import Explanation, RunResult, explain
+from ._robot import Hand, MotionFault, Objects, Robot
 from ._run import run
 from ._serve import ControlChannel, Event, ServedRobot, Status, control_channel, serve
-from ._session import Hand, MotionFault, Objects, Session
+from ._session import Session
 from ._trajectory import Trajectory
 from .scenario import Scenario, schema, validate
 
@@ -37,8 +40,10 @@ __version__ = _core.version()
 
 __all__ = [
     "__version__",
+    "Cancelled",
     "CartesianPose",
     "CartesianVelocities",
+    "Cell",
     "control_channel",
     "ControlChannel",
     "Event",
@@ -55,7 +60,9 @@ __all__ = [
     "MotionFault",
     "MotionResult",
     "Objects",
+    "Robot",
     "RobotFault",
+    "Robots",
     "RobotState",
     "run",
     "RunResult",

@@ -164,16 +164,20 @@ RobotLike: typing.TypeAlias = "HasYaml | ScenarioKeys | str | os.PathLike[str]"
 """A scenario that may be without a motion: an object with `to_yaml()`, keys, a text of several lines, or the name of a file."""
 
 
+def _standing(keys: Mapping[str, typing.Any]) -> Mapping[str, typing.Any]:
+    """A robot's keys; without a motion it begins in the ready pose unless they name another."""
+    if "motion" in keys or "application" in keys:
+        return keys
+    return {**keys, "robot": {"q_start": {"unit": "rad", "values": Q_READY}, **keys.get("robot", {})}}
+
+
 def as_robot(scenario: RobotLike, name: str) -> tuple[str | None, pathlib.Path]:
     """Return the text of a scenario that may be without a motion (None: its file is to be read) and its file.
 
     Of keys, `name` and the pose in which the arm begins, `model.Q_READY`, may be missing.
     """
     if isinstance(scenario, Mapping):
-        keys: dict[str, typing.Any] = {"name": name, **scenario}
-        if "motion" not in keys and "application" not in keys:
-            keys["robot"] = {"q_start": {"unit": "rad", "values": Q_READY}, **keys.get("robot", {})}
-        return _text(keys), pathlib.Path(name)
+        return _text(_standing({"name": name, **scenario})), pathlib.Path(name)
     if isinstance(scenario, str) and "\n" in scenario:
         return scenario, pathlib.Path(name)
     if isinstance(scenario, (str, os.PathLike)):
@@ -181,6 +185,15 @@ def as_robot(scenario: RobotLike, name: str) -> tuple[str | None, pathlib.Path]:
     if hasattr(scenario, "to_yaml"):
         return scenario.to_yaml(), pathlib.Path(name)
     raise TypeError(f"scenario is of type {type(scenario).__name__}; a Scenario, a dict of its keys or a file's name belongs here")
+
+
+def as_cell(scenario: RobotLike) -> tuple[str | None, pathlib.Path]:
+    """Return as `as_robot` what describes several robots, each of which may be without a motion."""
+    robots = scenario.get("robots") if isinstance(scenario, Mapping) else None
+    if not isinstance(robots, Mapping):
+        return as_robot(scenario, "cell")
+    standing = {name: _standing(keys) if isinstance(keys, Mapping) else keys for name, keys in robots.items()}
+    return _text({"name": "cell", **typing.cast("dict[str, typing.Any]", scenario), "robots": standing}), pathlib.Path("cell")
 
 
 def as_scenario(scenario: ScenarioLike) -> Scenario:

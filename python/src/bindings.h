@@ -40,6 +40,7 @@ void AddServed(nb::module_& module);
 void AddReplay(nb::module_& module);
 void AddRun(nb::module_& module);
 void AddScenario(nb::module_& module);
+void AddCell(nb::module_& module);
 void AddCommands(nb::module_& module);
 void AddSession(nb::module_& module);
 void AddState(nb::module_& module);

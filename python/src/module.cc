@@ -80,6 +80,7 @@ NB_MODULE(_core, module) {
   python::AddCommands(module);
   python::AddState(module);
   python::AddSession(module);
+  python::AddCell(module);
   python::AddLog(module);
   python::AddLogPictures(module);
 }

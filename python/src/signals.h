@@ -25,6 +25,9 @@ class SignalWatch {
     Interrupt([] { throw nb::python_error(); });
   }
 
+  /// Interrupts the call as a signal does; on the thread that makes it.
+  void Stop() noexcept { interrupted_ = true; }
+
   [[nodiscard]] const volatile bool& interrupted() const noexcept { return interrupted_; }
 
   /// Throws what was raised, once; nothing otherwise.

@@ -81,6 +81,7 @@ class TwinSession::Use {
  public:
   explicit Use(TwinSession& session) : session_(session) {
     if (session.records_) session.home_.Require("a session with a log");
+    if (session.clock_ != nullptr) call_.emplace(*session.clock_, session.robot_);
     if (session.in_use_.exchange(true, std::memory_order_acq_rel)) {
       throw std::runtime_error(
           "the session is in use, by another thread or by the call whose law this is; take one "
@@ -99,19 +100,48 @@ class TwinSession::Use {
   void Leave() { session_.in_use_.store(false, std::memory_order_release); }
 
   TwinSession& session_;
+  std::optional<CellClock::Call> call_;
 };
 
 TwinSession::TwinSession(const Opening& opening)
-    : id_(NextId()), scenario_(ScenarioOf(opening)), files_(Files()) {
+    : TwinSession(ScenarioOf(opening), opening.log, nullptr) {}
+
+TwinSession::TwinSession(const scenario::Scenario& scenario,
+                         const std::optional<std::filesystem::path>& log, const Seat& seat)
+    : TwinSession(scenario, log, &seat) {}
+
+TwinSession::TwinSession(scenario::Scenario scenario,
+                         const std::optional<std::filesystem::path>& log, const Seat* seat)
+    : id_(NextId()),
+      scenario_(std::move(scenario)),
+      files_(Files()),
+      clock_(seat == nullptr ? nullptr : &seat->clock),
+      robot_(seat == nullptr ? 0 : seat->robot) {
   controllers::RegisterControllers(controllers_);
   controllers_.Add(kLaw, [this](const control::ControllerRequest& /*request*/) { return law_(); });
-  if (opening.log) records_ = std::make_unique<run::RunRecords>();
-  session_ = std::make_unique<run::Session>(
-      scenario_, run::Catalogue{TheCatalogue().backends, controllers_, TheCatalogue().devices},
-      files_, records_.get());
+  if (log) records_ = std::make_unique<run::RunRecords>();
+  session_ = Connect(seat == nullptr ? TheCatalogue().backends : seat->backends);
+  Begin(log);
+}
+
+std::unique_ptr<run::Session> TwinSession::Connect(const backend::Registry& backends) {
+  record::RecordSink* sink = records_.get();
+  if (clock_ != nullptr) {
+    ends_ = std::make_unique<CycleEnds>(*clock_, robot_, sink);
+    sink = ends_.get();
+    clock_->SetLead(robot_, [this] {
+      const std::uint64_t before = clock_->cycles(robot_);
+      session_->PassUntil([this, before] { return clock_->cycles(robot_) > before; });
+    });
+  }
+  return std::make_unique<run::Session>(
+      scenario_, run::Catalogue{backends, controllers_, TheCatalogue().devices}, files_, sink);
+}
+
+void TwinSession::Begin(const std::optional<std::filesystem::path>& log) {
   run::RunHooks hooks;
   if (records_) {
-    records_->Log(*opening.log, run::InfoOf(scenario_, session_->robot()),
+    records_->Log(*log, run::InfoOf(scenario_, session_->robot()),
                   scenario_.is_lockstep() ? record::FullRing::kWait : record::FullRing::kDrop);
     if (const plant::TruthProbe* truth = session_->connection().truth) {
       if (run::RunRecords::CanFilm(*truth)) {
@@ -125,7 +155,7 @@ TwinSession::TwinSession(const Opening& opening)
     };
   }
   hooks.interrupted = &signals_.interrupted();
-  hooks.look = [this] { signals_.Look(); };
+  hooks.look = [this] { Look(); };
   session_->Begin(hooks);
 }
 
@@ -147,16 +177,32 @@ double TwinSession::Now() {
   return ToSeconds(session_->Now().time_since_epoch());
 }
 
+void TwinSession::Look() {
+  signals_.Look();
+  if (clock_ != nullptr && clock_->is_stopping()) signals_.Stop();
+}
+
+void TwinSession::Rethrow() {
+  signals_.Rethrow();
+  if (clock_ != nullptr && clock_->is_stopping()) throw Cancelled();
+}
+
 template <typename Call>
 auto TwinSession::Interruptible(Call call) {
   try {
     auto result = call();
-    signals_.Rethrow();
+    Rethrow();
     return result;
   } catch (...) {
-    signals_.Rethrow();  // why it failed
+    Rethrow();  // why it failed
     throw;
   }
+}
+
+void TwinSession::RequireAlone(std::string_view call) const {
+  if (clock_ == nullptr) return;
+  throw InputError(
+      fmt::format("{}: time does not go back for one robot of a cell; open the cell anew", call));
 }
 
 run::MotionResult TwinSession::Run(const run::Motion& motion) {
@@ -217,7 +263,7 @@ run::MotionResult TwinSession::MoveTo(const JointVector& q, const std::string& i
   }
   planning::PlannerOptions options{.clearance = clearance, .pace = pace};
   options.stopped = [this] {
-    signals_.Look();
+    Look();
     return signals_.interrupted();
   };
   const planning::Plan plan =
@@ -312,6 +358,7 @@ void TwinSession::Recover() {
 
 void TwinSession::Reset(const std::optional<JointVector>& q) {
   const Use use(*this);
+  RequireAlone("reset");
   const robot::Robot* robot = session_->connection().lockstep_robot;
   session_->Reset(q                  ? *q
                   : robot != nullptr ? robot->config().q_start
@@ -327,11 +374,13 @@ void TwinSession::PressUserStop(bool pressed) {
 
 Snapshot TwinSession::Save() {
   const Use use(*this);
+  RequireAlone("snapshot");
   return {session_->Save(), id_};
 }
 
 void TwinSession::Restore(const Snapshot& snapshot) {
   const Use use(*this);
+  RequireAlone("restore");
   if (snapshot.session != id_) {
     throw InputError("restore: the snapshot is another session's");
   }

@@ -5,10 +5,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "bindings.h"
+#include "cell_clock.h"
 #include "home_process.h"
 #include "signals.h"
 #include "twin/control/registry.h"
@@ -30,6 +32,13 @@ struct Opening {
   std::optional<std::filesystem::path> log;
 };
 
+/// The place of a robot in a cell. All must outlive the session.
+struct Seat {
+  CellClock& clock;
+  std::size_t robot = 0;              ///< of the clock
+  const backend::Registry& backends;  ///< which connect it to the model that it shares
+};
+
 /// A snapshot, and whose it is.
 struct Snapshot {
   std::shared_ptr<const run::Session::Snapshot> copy;
@@ -48,10 +57,14 @@ struct ControlOptions {
 ///
 /// All calls are made with the GIL released, but Control(). Errors: as run::Session;
 /// std::runtime_error while another call is under way, and in a fork of the process when there is a
-/// log; InputError once closed.
+/// log; InputError once closed. A robot of a cell has the cell's time, as CellClock has it: its
+/// calls also throw as CellClock::Call, and Reset(), Save() and Restore() throw InputError.
 class TwinSession {
  public:
   explicit TwinSession(const Opening& opening);
+  /// Of a robot of a cell. @param log  MCAP file to write.
+  TwinSession(const scenario::Scenario& scenario, const std::optional<std::filesystem::path>& log,
+              const Seat& seat);
   ~TwinSession();
   TwinSession(const TwinSession&) = delete;
   TwinSession& operator=(const TwinSession&) = delete;
@@ -87,6 +100,16 @@ class TwinSession {
  private:
   class Use;
   class LawInUse;
+  /// @param seat  null: alone.
+  TwinSession(scenario::Scenario scenario, const std::optional<std::filesystem::path>& log,
+              const Seat* seat);
+  [[nodiscard]] std::unique_ptr<run::Session> Connect(const backend::Registry& backends);
+  void Begin(const std::optional<std::filesystem::path>& log);
+  /// @throws InputError in a cell.
+  void RequireAlone(std::string_view call) const;
+  void Look();
+  /// Throws what a signal's handler raised during a call, or that the cell has stopped it.
+  void Rethrow();
   /// Makes a call that Ctrl-C interrupts, and raises what a signal's handler raised meanwhile.
   template <typename Call>
   auto Interruptible(Call call);
@@ -103,7 +126,10 @@ class TwinSession {
   std::function<std::unique_ptr<control::Controller>()> law_;
   SignalWatch signals_;
   const HomeProcess home_;
+  CellClock* const clock_;                    ///< null: alone
+  const std::size_t robot_;                   ///< of the clock
   std::unique_ptr<run::RunRecords> records_;  ///< null: no log
+  std::unique_ptr<CycleEnds> ends_;           ///< in a cell: before the records
   std::unique_ptr<run::Session> session_;
   std::unique_ptr<planning::CollisionWorld> world_;  ///< of MoveTo(), made by its first call
   std::optional<run::SessionResult> result_;

@@ -30,13 +30,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-void RequireLockstep(const scenario::Cell& cell) {
-  if (cell.common.is_lockstep()) return;
-  throw InputError(
-      "drive: several robots run in lockstep; say drive: lockstep, or serve them: panda-twin "
-      "serve");
-}
-
 std::string NamesOf(const run::Island& island) {
   std::vector<std::string> names;
   for (const scenario::CellRobot& robot : island.robots) names.push_back(robot.name);
@@ -111,7 +104,7 @@ class CellRecorder {
 };
 
 void CellRecorder::Execute() {
-  RequireLockstep(inputs_.cell);
+  run::RequireLockstep(inputs_.cell);
   out_.RequireOther(inputs_.options.scenario);
   run::RequireApartAtStart(inputs_.cell, inputs_.files);
   if (makes_video()) {
@@ -178,25 +171,17 @@ void CellRecorder::RunIsland(const run::Island& island) {
     ends.push_back(&ends_.emplace_back(
         RobotEnd{.name = robot.name, .shares_with = NamesOf(island), .failure = {}}));
   }
-  const std::string backend = common().backend;
   const backend::Registry& known = inputs_.catalogue.backends;
   if (island.robots.size() == 1) {
     return RunRobot(island.robots.front(), known, *ends.front());
   }
   const auto shared = plant::SharedModel::Create(run::PlantsOf(island.robots, inputs_.files),
                                                  [] { rt::Fiber::Yield(); });
-  std::deque<robot::RobotConfig> configs;  // outlive the backends
   std::deque<backend::Registry> seats;
   std::deque<rt::Fiber> runs;
   for (std::size_t i = 0; i < island.robots.size(); ++i) {
     const scenario::CellRobot& robot = island.robots[i];
-    backend::Registry& seat = seats.emplace_back();
-    seat.Add(backend, [&, prefix = run::PrefixOf(robot)](const backend::Request& request) {
-      robot::RobotConfig& config = configs.emplace_back(request.robot);
-      config.plant.shared = shared;
-      config.plant.prefix = prefix;
-      return known.Find(backend)({config, request.time, request.sink});
-    });
+    const backend::Registry& seat = seats.emplace_back(run::SeatOf(robot, shared, known));
     runs.emplace_back([this, &robot, &seat, end = ends[i]] { RunRobot(robot, seat, *end); });
   }
   for (bool goes_on = true; goes_on;) {
@@ -249,7 +234,7 @@ void RecordCell(const CellInputs& inputs) {
 
 std::string ValidateCell(const scenario::Cell& cell, const std::filesystem::path& file,
                          const run::Catalogue& catalogue, const run::RunFiles& files) {
-  RequireLockstep(cell);
+  run::RequireLockstep(cell);
   std::string text;
   for (const scenario::CellRobot& robot : cell.robots) {
     text += fmt::format("{}:\n{}", robot.name, Validate(robot.scenario, file, catalogue, files));

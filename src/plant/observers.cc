@@ -108,6 +108,11 @@ std::vector<std::pair<std::string, Transform>> FreeBodies(const mjModel& model,
   return bodies;
 }
 
+std::vector<std::pair<std::string, Transform>> FreeBodies(const TruthProbe& truth) {
+  const mjModel& model = truth.model();
+  return FreeBodies(model, {truth.data().qpos, static_cast<std::size_t>(model.nq)});
+}
+
 int FreeBodyNamed(const mjModel& model, const std::string& name) {
   std::string names;
   for (const auto& [body, its_name] : NamedFreeBodies(model)) {

@@ -136,6 +136,23 @@ std::vector<plant::MujocoPlantOptions> PlantsOf(const std::vector<scenario::Cell
   return plants;
 }
 
+backend::Registry SeatOf(const scenario::CellRobot& robot,
+                         std::shared_ptr<plant::SharedModel> shared,
+                         const backend::Registry& known) {
+  backend::Registry seat;
+  const std::string& backend = robot.scenario.backend;
+  // The backend refers to its robot's configuration.
+  const auto config = std::make_shared<robot::RobotConfig>();
+  seat.Add(backend, [config, shared = std::move(shared), prefix = PrefixOf(robot),
+                     connect = known.Find(backend)](const backend::Request& request) {
+    *config = request.robot;
+    config->plant.shared = shared;
+    config->plant.prefix = prefix;
+    return connect({*config, request.time, request.sink});
+  });
+  return seat;
+}
+
 std::vector<Island> IslandsOf(const scenario::Cell& cell, const RunFiles& files) {
   std::vector<plant::Reach> reach;
   for (const scenario::CellRobot& robot : cell.robots) {
@@ -164,6 +181,13 @@ std::vector<Island> IslandsOf(const scenario::Cell& cell, const RunFiles& files)
     }
   }
   return islands;
+}
+
+void RequireLockstep(const scenario::Cell& cell) {
+  if (cell.common.is_lockstep()) return;
+  throw InputError(
+      "drive: several robots run in lockstep; say drive: lockstep, or serve them: panda-twin "
+      "serve");
 }
 
 void RequireApartAtStart(const scenario::Cell& cell, const RunFiles& files) {

@@ -249,6 +249,12 @@ WaitEnd Session::Wait(Duration limit, const std::function<bool(const RobotState&
   return in_time ? WaitEnd::kInterrupted : WaitEnd::kTimeLimit;
 }
 
+void Session::PassUntil(const std::function<bool()>& done) {
+  TWIN_CHECK(begun_);
+  static_cast<void>(
+      drive_->PassUntil(Time::max(), [&done](const RobotState* /*state*/) { return done(); }));
+}
+
 void Session::Recover() {
   RobotState last = ReadState();
   if (last.robot_mode == RobotMode::kIdle) return;

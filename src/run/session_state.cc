@@ -47,9 +47,7 @@ std::vector<std::pair<std::string, Transform>> Session::Bodies() const {
   static_cast<void>(LockstepRobot("look at the bodies of the scene"));
   const plant::TruthProbe* truth = connection().truth;
   if (truth == nullptr) return {};
-  std::vector<double> qpos(truth->qpos_size());
-  truth->CopyQpos(qpos);
-  return plant::FreeBodies(truth->model(), qpos);
+  return plant::FreeBodies(*truth);
 }
 
 void Session::Place(const std::string& body, const Transform& X_WB) {

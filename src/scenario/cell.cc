@@ -127,7 +127,7 @@ CellRobot ReadRobot(const std::string& name, const YamlNode& node, const YamlNod
 Cell ReadCell(const YamlNode& root, const std::filesystem::path& folder,
               std::optional<std::uint64_t> seed, bool is_served) {
   const auto robots = root.Member("robots");
-  if (!robots) root.Fail("key \"robots\" is missing");
+  if (!robots) root.Fail("key \"robots\" is missing: it describes one robot");
   RefuseKeysOfOne(root);
   Cell cell{.common = ReadCommon(root, folder), .robots = {}};
   if (seed) cell.common.seed = *seed;
@@ -154,8 +154,8 @@ Value Robots() {
   Value robots;
   robots.read = [](const YamlNode& node) {
     node.Fail(
-        "several robots; the commands run, validate, serve and render take such a scenario, and "
-        "this one takes one robot");
+        "several robots; the commands run, validate, serve and render and Python's "
+        "panda_twin.Cell take such a scenario, and this one takes one robot");
   };
   robots.schema = [](Json& schema, Json& /*definitions*/) {
     schema = {{"title",
@@ -189,12 +189,17 @@ Cell LoadCell(const std::filesystem::path& path, std::optional<std::uint64_t> se
   return ReadCell(YamlNode::ParseFile(path.string()), path.parent_path(), seed, false);
 }
 
-Cell LoadServedCell(const std::filesystem::path& path) {
-  return ReadCell(YamlNode::ParseFile(path.string()), path.parent_path(), {}, true);
+Cell LoadServedCell(const std::filesystem::path& path, std::optional<std::uint64_t> seed) {
+  return ReadCell(YamlNode::ParseFile(path.string()), path.parent_path(), seed, true);
 }
 
 Cell ParseCell(const std::string& text, const std::filesystem::path& file) {
   return ReadCell(YamlNode::Parse(text, file.string()), file.parent_path(), {}, false);
+}
+
+Cell ParseServedCell(const std::string& text, const std::filesystem::path& file,
+                     std::optional<std::uint64_t> seed) {
+  return ReadCell(YamlNode::Parse(text, file.string()), file.parent_path(), seed, true);
 }
 
 std::string ToYaml(const Cell& cell) {

@@ -32,6 +32,18 @@ try:
 except pt.RobotFault as fault:
     joint: int | None = fault.joint
 text: str = pt.explain(result).text
+
+
+def turn(robot: pt.Robot) -> float:
+    robot.move()
+    return robot.time
+
+
+with pt.Cell({"robots": {"left": {}, "right": {}}}, log="out") as cell:
+    ends: dict[str, float] = cell.together(left=turn, right=turn)
+    turn(cell.robots["left"])
+with pt.Session() as session:
+    turn(session)
 """
 WRONG = {
     'pt.Scenario(naem="a")': "naem",
@@ -41,6 +53,8 @@ WRONG = {
     'pt.run("a.yaml", drive="fast")': "fast",
     'pt.run("a.yaml", 7)': "positional",
     'pt.run("a.yaml").states_hsah': "states_hsah",
+    'pt.Cell("a.yaml").move()': "move",
+    'pt.Cell("a.yaml").together(left=7)': "int",
 }
 
 

@@ -55,6 +55,8 @@ class ContactWrench {
 /// @param qpos  of the model, as a SceneRecord holds it. Threads: any. Not real-time.
 [[nodiscard]] std::vector<std::pair<std::string, Transform>> FreeBodies(
     const mjModel_& model, std::span<const double> qpos);
+/// As they are after the last step; of several arms that share a model too. Threads: the plant's.
+[[nodiscard]] std::vector<std::pair<std::string, Transform>> FreeBodies(const TruthProbe& truth);
 
 /// @returns the body of that name, for MujocoPlant::SetMass(). @throws InputError if there is none.
 /// Threads: any. Not real-time.

@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "twin/backend/registry.h"
 #include "twin/plant/mujoco_plant.h"
 #include "twin/run/catalogue.h"
 #include "twin/scenario/cell.h"
@@ -33,6 +34,15 @@ struct Island {
 /// The plants of some robots, for one model. @throws as MakeRobotConfig.
 [[nodiscard]] std::vector<plant::MujocoPlantOptions> PlantsOf(
     const std::vector<scenario::CellRobot>& robots, const RunFiles& files);
+
+/// The backend of a robot of an island with several, connected to the model they share; it must
+/// outlive the backends that it makes. @param known  the program's.
+[[nodiscard]] backend::Registry SeatOf(const scenario::CellRobot& robot,
+                                       std::shared_ptr<plant::SharedModel> shared,
+                                       const backend::Registry& known);
+
+/// @throws InputError for a cell on another drive.
+void RequireLockstep(const scenario::Cell& cell);
 
 /// @throws InputError where the arms of two robots overlap as they start: names both, and where.
 void RequireApartAtStart(const scenario::Cell& cell, const RunFiles& files);

@@ -156,6 +156,9 @@ class Session {
   /// Lets the robot's time pass until `done` accepts a state.
   [[nodiscard]] WaitEnd Wait(Duration limit, const std::function<bool(const RobotState&)>& done);
 
+  /// As Wait(), but asks `done` alone, after each event, and never looks for an interrupt.
+  void PassUntil(const std::function<bool()>& done);
+
   /// Until no joint has been faster than 0.01 rad/s for 50 ms.
   [[nodiscard]] WaitEnd WaitForRest(Duration limit = std::chrono::seconds(5));
 

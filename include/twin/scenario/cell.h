@@ -41,9 +41,13 @@ inline constexpr double kLeastBaseDistance = 0.2;
 [[nodiscard]] Cell LoadCell(const std::filesystem::path& path,
                             std::optional<std::uint64_t> seed = {});
 /// As LoadCell, of robots that clients move, as LoadServed.
-[[nodiscard]] Cell LoadServedCell(const std::filesystem::path& path);
+[[nodiscard]] Cell LoadServedCell(const std::filesystem::path& path,
+                                  std::optional<std::uint64_t> seed = {});
 /// As LoadCell, from text. @param file  as Parse's.
 [[nodiscard]] Cell ParseCell(const std::string& text, const std::filesystem::path& file);
+/// As LoadServedCell, from text.
+[[nodiscard]] Cell ParseServedCell(const std::string& text, const std::filesystem::path& file,
+                                   std::optional<std::uint64_t> seed = {});
 
 /// The seed of a robot that names none.
 [[nodiscard]] std::uint64_t SeedOf(std::uint64_t cell_seed, std::string_view robot) noexcept;
