@@ -114,7 +114,7 @@ class Cell:
         """Let the time of all robots pass."""
         next(iter(self.robots.values())).wait(seconds)
 
-    def together(self, **functions: Callable[[Robot], T]) -> dict[str, T]:
+    def together(self, /, **functions: Callable[[Robot], T]) -> dict[str, T]:
         """Call a function for each of several robots, all from one instant on, and wait for all.
 
         Each function runs in a thread, but only one at a time, in the order of the robots' names: another goes on when a
@@ -171,8 +171,8 @@ class Cell:
             raise
         finally:
             for number, thread in enumerate(threads):
-                if thread.ident is None:  # it could not be started
-                    self._cell.leave(number)
+                if thread.ident is None:  # it could not be started, and its function is cancelled
+                    play(number)
             try:
                 self._cell.await_end()
             finally:

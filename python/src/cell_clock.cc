@@ -68,8 +68,10 @@ void CellClock::EndCycle(std::size_t robot) noexcept {
   ++one.cycles;
   if (one.is_led) return;  // the call that leads it waits for the others
   while (true) {
-    const auto late = std::ranges::find_if(
-        robots_, [&one](const Robot& other) { return other.cycles < one.cycles; });
+    const auto late = std::ranges::find_if(robots_, [&one](const Robot& other) {
+      // Those of its island have met it in the step.
+      return other.member.island != one.member.island && other.cycles < one.cycles;
+    });
     if (late == robots_.end()) return;
     late->is_taken() ? HandOver() : Lead(*late);
   }
@@ -96,8 +98,8 @@ void CellClock::HandOver() noexcept {
   const std::size_t own = turn_;
   turn_ = After(own);
   TWIN_CHECK(turn_ != own);
-  changed_.notify_all();
-  changed_.wait(lock, [this, own] { return turn_ == own; });
+  turned_.notify_all();
+  turned_.wait(lock, [this, own] { return turn_ == own; });
 }
 
 void CellClock::RequireIdle() const {
@@ -118,28 +120,31 @@ void CellClock::Gather(const std::vector<std::size_t>& robots) {
 
 void CellClock::Enter(std::size_t function) {
   std::unique_lock lock(mutex_);
-  if (function >= functions_.size()) throw Cancelled();
-  Function& one = functions_[function];
-  one.thread = std::this_thread::get_id();
-  changed_.wait(lock, [&] { return turn_ == function || one.has_left; });
-  if (one.has_left || cancelled_) throw Cancelled();
-  robots_[one.robot].awaits_function = false;
+  const auto has_left = [&] {
+    return function >= functions_.size() || functions_[function].has_left;
+  };
+  if (!has_left()) functions_[function].thread = std::this_thread::get_id();
+  turned_.wait(lock, [&] { return turn_ == function || has_left(); });
+  if (has_left() || cancelled_) throw Cancelled();
+  robots_[functions_[function].robot].awaits_function = false;
 }
 
 void CellClock::Leave(std::size_t function) noexcept {
   const std::scoped_lock lock(mutex_);
   if (function >= functions_.size()) return;
   Function& one = functions_[function];
+  if (one.has_left) return;
   one.has_left = true;
   robots_[one.robot].awaits_function = false;
-  if (turn_ == function) turn_ = After(function);
-  changed_.notify_all();
+  turn_ = After(function);
+  turned_.notify_all();
+  ended_.notify_all();
 }
 
 bool CellClock::AwaitEnd(std::chrono::milliseconds limit) {
   std::unique_lock lock(mutex_);
   const auto all_left = [this] { return std::ranges::all_of(functions_, &Function::has_left); };
-  if (!changed_.wait_for(lock, limit, all_left)) return false;
+  if (!ended_.wait_for(lock, limit, all_left)) return false;
   functions_.clear();
   turn_ = 0;
   cancelled_ = false;

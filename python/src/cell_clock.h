@@ -36,8 +36,9 @@ struct CellMember {
 /// The one time of a cell's robots, each of which has an event queue of its own.
 ///
 /// A call of a robot passes time: at the end of each of its cycles it waits until every other robot
-/// has had as many. A robot in no call is led: its next cycle runs on the waiting thread, where INT
-/// holds the arm. So between two calls all robots have had the same number of cycles.
+/// has had as many; those that share its model it meets in the step. A robot in no call is led: its
+/// next cycle runs on the waiting thread, where INT holds the arm. So between two calls all robots
+/// have had the same number of cycles.
 ///
 /// Several functions at once (Gather) each have a thread, of which one runs at a time; it hands
 /// over, in the order of the functions, where its robot waits for one that another thread has:
@@ -93,9 +94,10 @@ class CellClock {
   /// Announces functions, each of a robot of its own. @throws std::runtime_error while a call or
   /// other functions are under way.
   void Gather(const std::vector<std::size_t>& robots);
-  /// On a function's thread: returns when its turn has come. @throws Cancelled when it has left.
+  /// On a function's thread: returns when its turn has come. @throws Cancelled then, after
+  /// Cancel(), and when the function has left.
   void Enter(std::size_t function);
-  /// A function has ended, or will not begin. May be called again, and too late.
+  /// The function whose turn it is has ended, or will not begin. Does nothing when it has left.
   void Leave(std::size_t function) noexcept;
   /// @returns whether all functions have left, after which calls are as before Gather().
   [[nodiscard]] bool AwaitEnd(std::chrono::milliseconds limit);
@@ -140,8 +142,9 @@ class CellClock {
   [[nodiscard]] bool has_call() const noexcept;
 
   mutable std::mutex mutex_;  ///< of all below; between calls of others' threads, of the turn too
-  std::condition_variable changed_;
-  std::vector<Robot> robots_;  ///< of the thread whose turn it is
+  std::condition_variable turned_;
+  std::condition_variable ended_;  ///< a function has left
+  std::vector<Robot> robots_;      ///< of the thread whose turn it is
   std::vector<Function> functions_;
   std::size_t turn_ = 0;  ///< index in functions_
   // Set by any thread, read by the calls; each stands for itself, so the order does not count.

@@ -11,6 +11,7 @@ import tempfile
 import threading
 import time
 import unittest
+import unittest.mock
 
 import numpy as np
 
@@ -413,6 +414,31 @@ class Openings(Folder):
         self.assertEqual(told.returncode, 0, told.stderr)
         with self.assertRaises(OSError):
             pt.Cell(keys(), log="/proc/nowhere")
+
+
+class Leaks(unittest.TestCase):
+    def test_cells_leave_nothing_behind(self):
+        def use(times):
+            for _ in range(times):
+                with pt.Cell(keys()) as cell:
+                    cell.together(left=lambda robot: robot.wait(0.002), right=lambda robot: robot.wait(0.001))
+            return threading.active_count(), len(os.listdir("/proc/self/task")), len(os.listdir("/proc/self/fd"))
+
+        before = use(2)
+        self.assertEqual(use(10), before)
+
+    def test_a_thread_that_cannot_be_started_ends_the_others(self):
+        start = threading.Thread.start
+
+        def fail(thread):
+            if thread.name == "right":
+                raise RuntimeError("can't start new thread")
+            start(thread)
+
+        with pt.Cell(keys()) as cell:
+            with unittest.mock.patch.object(threading.Thread, "start", fail), self.assertRaisesRegex(RuntimeError, "can't start"):
+                cell.together(left=lambda robot: [robot.wait(0.1) for _ in range(100_000)], right=pt.Robot.move)
+            self.assertEqual(cell.together(left=lambda robot: 1, right=lambda robot: 2), {"left": 1, "right": 2})
 
 
 class Example(Folder):
