@@ -89,6 +89,16 @@ TEST(ScenarioCellTest, SeedsRobotsByTheirNames) {
   EXPECT_EQ(more.robots[2].scenario, cell.robots[1].scenario);
 }
 
+TEST(ScenarioCellTest, NeedsNoMotionOfARobotThatIsServed) {
+  const std::string text =
+      "name: one\nrobots:\n  still: {robot: {q_start: {unit: rad, values: [0, -0.7854, 0, -2.3562, "
+      "0, 1.5708, 0.7854]}}}\n";
+  const Cell cell = ParseServedCell(text, "cell.yaml", 8);
+  EXPECT_EQ(cell.common.seed, 8U);
+  EXPECT_EQ(cell.robots[0].scenario.seed, SeedOf(8, "still"));
+  EXPECT_THAT(MessageOf(text), HasSubstr("motion"));
+}
+
 TEST(ScenarioCellTest, DrawsTheObjectsOnceForAll) {
   const Cell cell = Read(std::string(kText));
   const auto& left = cell.robots[0].scenario;
