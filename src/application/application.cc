@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstddef>
+#include <exception>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -15,8 +16,11 @@
 #include "application/applications.h"
 #include "twin/control/parameters.h"
 #include "twin/core/error.h"
+#include "twin/core/hand_command.h"
 #include "twin/model/arm_model.h"
 #include "twin/render/renderer.h"
+#include "twin/run/islands.h"
+#include "twin/run/robot_config.h"
 
 namespace twin::application {
 namespace {
@@ -26,12 +30,20 @@ struct Entry {
   std::unique_ptr<Application> (*make)(control::ParameterReader& parameters);
   /// Of the first motion: the robot must grant it before anything moves.
   control::CommandInterface first_interface = control::CommandInterface::kTorque;
-  bool drives_base = false;  ///< supports a mobile base, where O moves
+  bool drives_base = false;      ///< supports a mobile base, where O moves
+  bool stands_anywhere = false;  ///< minds robot.pose
 };
 
-constexpr std::array<Entry, 4> kApplications{{
+constexpr std::array<Entry, 5> kApplications{{
     {.name = "compliance", .make = MakeCompliance},
-    {"pick_and_place", MakePickAndPlace, control::CommandInterface::kJointPosition},
+    {.name = "hand_over",
+     .make = MakeHandOver,
+     .first_interface = control::CommandInterface::kJointPosition,
+     .stands_anywhere = true},
+    {.name = "pick_and_place",
+     .make = MakePickAndPlace,
+     .first_interface = control::CommandInterface::kJointPosition,
+     .stands_anywhere = true},
     {.name = "plan_and_execute", .make = MakePlanAndExecute},
     {.name = "teleoperation", .make = MakeTeleoperation, .drives_base = true},
 }};
@@ -149,7 +161,7 @@ std::string VerdictOf(const Evaluation& evaluation) {
                      is_cut ? "; and so on, see the results" : "");
 }
 
-std::unique_ptr<Application> Make(const scenario::Scenario& scenario) {
+std::unique_ptr<Application> Make(const scenario::Scenario& scenario, const Partners* partners) {
   const Entry& entry = EntryOf(scenario);
   control::ParameterReader reader(scenario.application->parameters, "application.parameters");
   std::unique_ptr<Application> application = entry.make(reader);
@@ -159,7 +171,14 @@ std::unique_ptr<Application> Make(const scenario::Scenario& scenario) {
         fmt::format("{}application {}: it takes the arm to stand on the world; leave base out",
                     PlaceOf(scenario), entry.name));
   }
+  if (!entry.stands_anywhere && !(scenario.robot.pose == plant::ArmPose())) {
+    throw InputError(fmt::format(
+        "{}robot.pose: the application {} takes the arm to stand at the world's origin; leave it "
+        "out",
+        PlaceOf(scenario), entry.name));
+  }
   application->Require(scenario);
+  application->RequirePartners(scenario, partners);
   return application;
 }
 
@@ -245,8 +264,16 @@ Transform Stage::F_T_EE() const {
 }
 
 std::unique_ptr<planning::CollisionWorld> Stage::MakeWorld() const {
-  return run::MakeWorld(scenario, session.robot(),
-                        run::MakeRobotConfig(scenario, session.robot(), files).plant);
+  if (partners == nullptr || partners->robots().size() == 1) {
+    return run::MakeWorld(scenario, session.robot(),
+                          run::MakeRobotConfig(scenario, session.robot(), files).plant);
+  }
+  auto world = run::MakeWorld(scenario, session.robot(), run::PlantsOf(partners->robots(), files),
+                              partners->own());
+  for (std::size_t i = 0; i < partners->robots().size(); ++i) {
+    if (i != partners->own()) world->PlaceArm(i, partners->StartOf(i), kHandStroke);
+  }
+  return world;
 }
 
 void Stage::Carry(const std::vector<TaskStep>& steps) {
@@ -302,12 +329,13 @@ std::vector<Vector3> EndEffectorPath(const reference::Trajectory& trajectory,
 
 ApplicationRun::ApplicationRun(const scenario::Scenario& scenario, const run::Catalogue& catalogue,
                                const run::RunFiles& files, record::RecordSink* sink,
-                               const Clock& clock, const run::RealtimeConfig& settings)
+                               const Clock& clock, const run::RealtimeConfig& settings,
+                               const Partners* partners)
     : scenario_(WithApplication(scenario)),
       files_(files),
-      application_(Make(scenario_)),
+      application_(Make(scenario_, partners)),
       session_(scenario_, catalogue, files_, sink, settings),
-      stage_{session_, scenario_, files_, clock, catalogue.devices} {}
+      stage_{session_, scenario_, files_, clock, catalogue.devices, partners} {}
 
 bool ApplicationRun::CheckStart(const run::TellCheck& tell) {
   const reference::Trajectory standing =
@@ -320,18 +348,28 @@ const TaskResult& ApplicationRun::Execute(const run::RunHooks& hooks,
                                           const std::function<void(std::string_view)>& tell) {
   stage_.tell = tell;
   session_.Begin(hooks);
+  // Another robot may wait for this one, and the session of several ends with the last of them.
+  const auto tell_end = [this](const std::string& failure) {
+    if (stage_.partners == nullptr) return;
+    stage_.partners->board().End(stage_.partners->own(), failure);
+  };
   try {
     application_->Perform(stage_);
-  } catch (...) {
+  } catch (const std::exception& error) {
+    tell_end(error.what());
     session_.End();
     throw;
   }
+  tell_end(stage_.result.task.failure);
   result_ = session_.End();
   return stage_.result;
 }
 
 const Evaluation& ApplicationRun::Evaluate(Evidence evidence) {
   evidence.session = result_;
+  if (const plant::TruthProbe* truth = session_.connection().truth) {
+    evidence.prefix = truth->prefix();
+  }
   evaluation_ = application_->Evaluate(stage_.result, evidence);
   return evaluation_;
 }

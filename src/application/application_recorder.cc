@@ -120,7 +120,8 @@ class ApplicationRecorder final : public RunRecorder {
 
  private:
   Connected Connect(const run::RealtimeConfig& settings) override {
-    run_.emplace(scenario(), catalogue_, inputs_.files, page_.sink(), clock_, settings);
+    run_.emplace(scenario(), catalogue_, inputs_.files, page_.sink(), clock_, settings,
+                 inputs_.partners);
     return {.connection = &run_->connection(),
             .robot = &run_->robot(),
             .check_start = [this](const run::TellCheck& tell) { return run_->CheckStart(tell); },
@@ -142,6 +143,7 @@ class ApplicationRecorder final : public RunRecorder {
   const teleop::DeviceRegistry devices_;  ///< the page's among them
   const run::Catalogue catalogue_;
   std::optional<ApplicationRun> run_;
+  Duration simulated_{};
   bool was_interrupted_ = false;
   std::vector<PicturePair> pictures_;
 };
@@ -157,6 +159,7 @@ RunRecorder::Outcome ApplicationRecorder::Perform(const run::RunHooks& hooks) {
   if (!task_result.task.steps.empty()) {
     outcome.simulated = task_result.task.steps.back().ended.time_since_epoch();
   }
+  simulated_ = outcome.simulated;
   return outcome;
 }
 
@@ -187,6 +190,7 @@ std::string ApplicationRecorder::SummaryOfFile() const {
       {"failure", FailureOf(run_->task_result(), run_->evaluation())},
       {"steps", StepsJson(run_->task_result().task, false)},
       {"findings", FindingsJson(run_->evaluation(), false)},
+      {"simulated_s", ToSeconds(simulated_)},
       {"motions", session.motions},
       {"deviations", DeviationsJson(session.followed)},
       {"deviation_exceeded", std::ranges::any_of(session.followed, &run::FollowedMotion::exceeds)},

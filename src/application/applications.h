@@ -5,8 +5,9 @@
 #include "twin/application/application.h"
 #include "twin/control/parameters.h"
 
-// The paper's four applications, made from their parameters. models/applications/README.md
-// documents parameters, steps and demands. @throws InputError as ParameterReader's functions.
+// The paper's four applications and those of several robots, made from their parameters.
+// models/applications/README.md documents parameters, steps and demands. @throws InputError as
+// ParameterReader's functions.
 namespace twin::application {
 
 /// Motions to random goals on planned paths, free of collision with the scene, by joint torques.
@@ -19,6 +20,10 @@ namespace twin::application {
 /// Moves an object from one surface to another and rotates it, through the joint position interface
 /// by damped least squares (pick.h).
 [[nodiscard]] std::unique_ptr<Application> MakePickAndPlace(control::ParameterReader& parameters);
+
+/// Hands an object over from one arm to another: the giver picks it up and holds it out, the
+/// receiver takes it and puts it down (pick.h). Each is the application of one robot of a cell.
+[[nodiscard]] std::unique_ptr<Application> MakeHandOver(control::ParameterReader& parameters);
 
 /// An operator moves arm and mobile base with a device: one motion of the compliance controller
 /// with a live reference, until the operator ends it. `operator.device: person` selects the

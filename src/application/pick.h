@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -24,19 +25,48 @@
 #include "twin/scenario/robot_data.h"
 #include "twin/scenario/scenario.h"
 
-// Parts of the application `pick_and_place`: parameters, task, grips, planner, evaluation.
+// Parts of the applications `pick_and_place` and `hand_over`: parameters, task, grips, planner,
+// evaluation.
 namespace twin::application {
 
-/// An object and its goal. All poses in the base, which is the world.
+/// Where on an object a hand takes it.
+struct GripPlace {
+  double off_centre = 0;  ///< m, from the object's middle, along the bar between the fingers
+  Vector3 B_side{};       ///< only towards there, object's axes; zero: either way
+};
+
+/// The paths of a task, in their order.
+enum Leg : std::size_t { kApproach, kGrasp, kLift, kTransfer, kPlace, kRetreat, kLegs };
+
+struct LegTraits {
+  std::string_view name;
+  const char* caption;  ///< of its pictures; with the names {object}, {from} and {to}
+  bool is_held;         ///< the hand holds the object
+};
+inline constexpr std::array<LegTraits, kLegs> kLegTraits{{
+    {"approach", "Approach: above the {object}", false},
+    {"grasp", "Grasp: down to the {object}, and hold it", false},
+    {"lift", "Lift: the {object} off the {from}", true},
+    {"transfer", "Transfer: above the {to}, turned on the way", true},
+    {"place", "Place: down onto the {to}, and let go", true},
+    {"retreat", "Retreat: straight away from it", false},
+}};
+
+/// An object and its goal. All poses and directions in the base O.
 struct PickTask {
-  plant::SceneObject object;                  ///< X_WB is its pose before the task, as perceived
+  Transform X_WO = kIdentityTransform;  ///< where the base stands in the world
+  plant::SceneObject object;            ///< X_WB is its pose O_T_B before the task, as perceived
   Transform O_T_object = kIdentityTransform;  ///< the true one
   Transform O_T_goal = kIdentityTransform;
-  std::string from{};        ///< part that supports it, and that it may touch when lifted
-  std::string to{};          ///< part that supports it at the goal
+  std::string from{};        ///< part that supports it, and that it may touch when lifted; or empty
+  std::string to{};          ///< part that supports it at the goal; empty: a robot takes it there
   Vector3 from_up{0, 0, 1};  ///< normal of the supporting face
   Vector3 to_up{0, 0, 1};
   double nominal_mass = 0;  ///< of the object without its random spread, kg: the robot's load
+  GripPlace grip{};         ///< where the hand takes it
+  Vector3 withdraw{};       ///< further way of the hand at the end of the retreat, m
+  /// Puts other arms where they stand during a leg; empty: there are none.
+  std::function<void(planning::CollisionWorld&, Leg)> around{};
 };
 
 /// Distances and speeds of the transport.
@@ -58,16 +88,12 @@ struct PickOptions {
   std::uint64_t budget = 200'000;
 };
 
-/// The parameters of pick and place, with their keys in brackets.
-struct PickParameters {
+/// How an object is picked: parameters, with their keys in brackets.
+struct Handling {
   /// @throws InputError naming file, line and key.
-  explicit PickParameters(control::ParameterReader& parameters);
+  explicit Handling(control::ParameterReader& parameters);
 
   std::string object;  ///< object of the scenario [object]
-  std::string on;      ///< supporting object at the goal [place.on]
-  /// Position and rpy on that object's top [place.position, place.rpy].
-  scenario::FramePose place;
-  scenario::FramePose spread;  ///< half widths of uniform ranges of these [place.spread]
   /// Half widths of uniform ranges of the perceived pose about the true one, in the object's frame
   /// [perception.spread].
   scenario::FramePose perception;
@@ -77,13 +103,32 @@ struct PickParameters {
   int tries = 0;         ///< grasps, in all [grasp.tries]
   PickOptions options;
   std::string object_key;  ///< "<file>:<line>: application.parameters.object: "
-  std::string on_key;      ///< likewise for place.on
 };
 
-/// The task drawn by the scenario's seed.
-/// @throws InputError if the scenario lacks one of the objects (lists those it has), or the object
-/// is fixed, or a ball, which would roll away.
-[[nodiscard]] PickTask TaskOf(const scenario::Scenario& scenario, const PickParameters& parameters);
+/// Where an object is put down, likewise.
+struct PutDown {
+  explicit PutDown(control::ParameterReader& parameters);
+
+  std::string on;  ///< supporting object at the goal [place.on]
+  /// Position and rpy on that object's top [place.position, place.rpy].
+  scenario::FramePose place;
+  scenario::FramePose spread;  ///< half widths of uniform ranges of these [place.spread]
+  std::string on_key;          ///< as object_key, for place.on
+};
+
+/// Position and rpy below a key, of two reaches at most. @throws InputError as ParameterReader.
+[[nodiscard]] scenario::FramePose ReadPlace(control::ParameterReader& parameters,
+                                            const std::string& key);
+
+/// The object, as it is before the task; without a goal.
+/// @throws InputError if the scenario lacks it (lists those it has), or it is fixed, or a ball,
+/// which would roll away, or stands on nothing.
+[[nodiscard]] PickTask ObjectOf(const scenario::Scenario& scenario, const Handling& handling);
+/// Adds the goal drawn by the scenario's seed. @throws InputError if the scenario lacks its
+/// surface.
+void AddGoal(const scenario::Scenario& scenario, const PutDown& put_down, PickTask& task);
+/// @throws InputError for a hand without fingers.
+void RequireFingers(const scenario::Scenario& scenario);
 
 /// Grasp pose of the hand on an object.
 struct Grip {
@@ -102,27 +147,11 @@ struct GripRoom {
 /// All grips from above, each in two orientations: on a box at either pair of upright faces, on an
 /// upright cylinder at eighths of its circumference, on a lying one across its axis or at its ends.
 /// The grip is at half the object's height, or higher where the palm would touch the object.
-/// @param up  normal of the surface below the object, world.
-/// @returns an empty list for an object that is too wide or too flat.
+/// Off its middle a box or a lying cylinder is taken, where it is long enough for the fingers.
+/// @param up  normal of the surface below the object, base.
+/// @returns an empty list for an object that is too wide, too flat or too short.
 [[nodiscard]] std::vector<Grip> GripsOf(const plant::SceneObject& object, const Vector3& up,
-                                        const GripRoom& room);
-
-/// The paths of a task, in their order.
-enum Leg : std::size_t { kApproach, kGrasp, kLift, kTransfer, kPlace, kRetreat, kLegs };
-
-struct LegTraits {
-  std::string_view name;
-  const char* caption;  ///< of its pictures; with the names {object}, {from} and {to}
-  bool is_held;         ///< the hand holds the object
-};
-inline constexpr std::array<LegTraits, kLegs> kLegTraits{{
-    {"approach", "Approach: above the {object}", false},
-    {"grasp", "Grasp: down to the {object}, and hold it", false},
-    {"lift", "Lift: the {object} off the {from}", true},
-    {"transfer", "Transfer: above the {to}, turned on the way", true},
-    {"place", "Place: down onto the {to}, and let go", true},
-    {"retreat", "Retreat: straight away from it", false},
-}};
+                                        const GripRoom& room, const GripPlace& place = {});
 
 /// A result, or the reason of the failure.
 template <typename T>
@@ -235,9 +264,14 @@ struct PickRecord {
   Transform O_T_EE_placed = kIdentityTransform;  ///< measured, before the release
   Transform B_T_EE = kIdentityTransform;         ///< as planned
   Duration moved{};                              ///< planned duration of all motions
+  std::string partner{};  ///< robot that gives or takes the object: "right"; empty: none
+  std::string support{};  ///< what bears the object before the partner gives it
+  Time offered{};         ///< of the giver: when it held the object out
 };
 
-/// The demands of pick and place, further quantities and figures.
+/// The demands of pick and place, further quantities and figures. Of a robot that gives the object,
+/// the goal is where it holds it out, until the partner takes it; of one that takes it, also that
+/// both hands have held it together.
 [[nodiscard]] Evaluation EvaluatePick(const PickRecord& record, const TaskResult& task_result,
                                       const Evidence& evidence);
 

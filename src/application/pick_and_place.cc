@@ -1,306 +1,53 @@
-#include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <optional>
-#include <utility>
-#include <variant>
-
-#include <fmt/format.h>
+#include <memory>
 
 #include "application/applications.h"
 #include "application/pick.h"
-#include "twin/backend/backend.h"
-#include "twin/core/error.h"
-#include "twin/core/setting.h"
-#include "twin/model/arm_model.h"
-#include "twin/model/transform.h"
+#include "application/pick_steps.h"
 
 namespace twin::application {
 namespace {
 
-constexpr double kOpeningSpeed = 0.1;  // m/s, of the hand
-constexpr double kSameWidth = 1e-3;    // m
-constexpr double kSameStart = 2e-3;    // rad, from a leg's planned start
-
 class PickAndPlace final : public Application {
  public:
   explicit PickAndPlace(control::ParameterReader& parameters)
-      : parameters_(parameters), controller_(parameters.Below("controller")) {}
+      : steps_(Handling(parameters), parameters.Below("controller")), put_down_(parameters) {}
 
-  void Require(const scenario::Scenario& scenario) const override;
+  void Require(const scenario::Scenario& scenario) const override {
+    static_cast<void>(TaskOf(scenario));
+    RequireFingers(scenario);
+  }
   [[nodiscard]] Duration longest(const scenario::Scenario& /*scenario*/) const override {
     return std::chrono::seconds(120);
   }
   void Perform(Stage& stage) override;
   [[nodiscard]] Evaluation Evaluate(const TaskResult& task_result,
                                     const Evidence& evidence) override {
-    return EvaluatePick(record_, task_result, evidence);
+    return EvaluatePick(steps_.record(), task_result, evidence);
   }
 
  private:
-  StepEnd Plan();
-  StepEnd Approach();
-  StepEnd Grasp();
-  StepEnd Lift();
-  StepEnd Transfer() { return Carry(kTransfer); }
-  StepEnd Carry(Leg leg);
-  StepEnd Place();
-  StepEnd Release();
-  StepEnd Retreat();
+  [[nodiscard]] PickTask TaskOf(const scenario::Scenario& scenario) const {
+    PickTask task = ObjectOf(scenario, steps_.handling());
+    AddGoal(scenario, put_down_, task);
+    return task;
+  }
 
-  /// Executes a leg; plans it again if the arm is not at its start.
-  StepEnd Go(Leg leg);
-  StepEnd Follow(const std::string& name, const LegPlan& leg, const JointVector& q);
-  /// The motion of a leg from q, which is near its start.
-  [[nodiscard]] run::Motion OnPoses(const std::string& name, const LegPlan& leg,
-                                    const JointVector& q) const;
-  [[nodiscard]] run::Motion OnJoints(const std::string& name, const LegPlan& leg,
-                                     const JointVector& q) const;
-  /// The arm's position, at rest and ready to move.
-  [[nodiscard]] JointVector Ready();
-  StepEnd Open();
-  [[nodiscard]] bool Holds() const;
-  [[nodiscard]] setting::Load LoadOfObject() const;
-  /// The record of a leg's plan; added when it is the first.
-  record::PlanRecord& RecordOf(Leg leg);
-  [[nodiscard]] run::Session& session() const { return stage_->session; }
-  [[nodiscard]] HandState hand_state() const { return session().connection().hand->ReadState(); }
-  void Configure(const setting::Load& load) { session().connection().backend->Configure(load); }
-  [[nodiscard]] double opening() const { return planner_->OpeningFor(plan_.grip); }
-
-  const PickParameters parameters_;
-  const control::Parameters controller_;
-  Stage* stage_ = nullptr;  ///< during Perform()
-  std::unique_ptr<planning::CollisionWorld> world_;
-  std::optional<PickPlanner> planner_;
-  PickPlan plan_;
-  PickRecord record_;
-  bool is_around_object_ = false;  ///< the open fingers are around it
+  PickSteps steps_;
+  const PutDown put_down_;
 };
 
-void PickAndPlace::Require(const scenario::Scenario& scenario) const {
-  (void)TaskOf(scenario, parameters_);
-  if (scenario.robot.hand == plant::HandKind::kFrankaHand) return;
-  throw InputError(
-      "application pick_and_place: robot.hand has no fingers; say robot: {hand: franka_hand}");
-}
-
 void PickAndPlace::Perform(Stage& stage) {
-  stage_ = &stage;
-  const scenario::RobotData& robot = stage.session.robot();
-  record_.task = TaskOf(stage.scenario, parameters_);
-  record_.limits = robot.limits;
-  world_ = stage.MakeWorld();
-  planner_.emplace(*world_, robot, stage.clock, stage.F_T_EE(), record_.task, parameters_.options,
-                   stage.scenario.seed);
-  const auto step = [this](const char* name, StepEnd (PickAndPlace::*act)(),
-                           const char* after_failure = "", int attempts = 1) -> TaskStep {
-    return {name, [this, act] { return (this->*act)(); }, after_failure, attempts};
-  };
-  stage.Carry(
-      {step("plan", &PickAndPlace::Plan), step("approach", &PickAndPlace::Approach, "approach", 2),
-       step("grasp", &PickAndPlace::Grasp, "approach", parameters_.tries),
-       step("lift", &PickAndPlace::Lift, "approach", 2),
-       step("transfer", &PickAndPlace::Transfer, "transfer", 2),
-       step("place", &PickAndPlace::Place, "place", 2), step("release", &PickAndPlace::Release),
-       step("retreat", &PickAndPlace::Retreat, "retreat", 2)});
-  stage_ = nullptr;
-}
-
-StepEnd PickAndPlace::Plan() {
-  const Time begun = stage_->clock.Now();
-  auto planned = planner_->Plan(Ready());
-  stage_->result.planning_time += stage_->clock.Now() - begun;
-  if (auto* why = std::get_if<std::string>(&planned)) return {false, std::move(*why)};
-  plan_ = std::move(std::get<PickPlan>(planned));
-  const Transform NE_T_EE =
-      model::Multiply(model::Inverse(session().robot().F_T_NE), stage_->F_T_EE());
-  record_.B_T_EE = model::Multiply(plan_.grip.B_T_NE, NE_T_EE);
-  record_.moved = plan_.duration;
-  const auto sampled =
-      std::ranges::count_if(plan_.legs, [](const LegPlan& leg) { return !leg.joints.empty(); });
-  return {true, fmt::format("{} ways{}, {:.1f} s, the hand closes to {:.1f} mm", kLegTraits.size(),
-                            sampled == 0 ? "" : fmt::format(", {} of them sampled", sampled),
-                            ToSeconds(plan_.duration), plan_.grip.width * 1e3)};
-}
-
-JointVector PickAndPlace::Ready() {
-  RobotState state = session().ReadState();
-  if (state.robot_mode != RobotMode::kIdle) {
-    session().Recover();
-    state = session().ReadState();
-  }
-  return state.q_d;
-}
-
-record::PlanRecord& PickAndPlace::RecordOf(Leg leg) {
-  const std::string id(kLegTraits[leg].name);
-  const auto found = std::ranges::find(stage_->result.plans, id, &record::PlanRecord::id);
-  return found != stage_->result.plans.end()
-             ? *found
-             : stage_->result.plans.emplace_back(record::PlanRecord{.id = id, .caption = {}});
-}
-
-StepEnd PickAndPlace::Go(Leg leg) {
-  const JointVector q = Ready();
-  const bool is_at_start = std::ranges::equal(
-      q, plan_.legs[leg].q_start, [](double a, double b) { return std::abs(a - b) <= kSameStart; });
-  if (!is_at_start) {
-    const Time begun = stage_->clock.Now();
-    auto planned = planner_->PlanFrom(q, leg, plan_.grip);
-    stage_->result.planning_time += stage_->clock.Now() - begun;
-    if (auto* why = std::get_if<std::string>(&planned)) {
-      return {false, fmt::format("no way from where the arm is: {}", *why)};
-    }
-    plan_ = std::move(std::get<PickPlan>(planned));
-  }
-  const LegPlan& plan = plan_.legs[leg];
-  record::PlanRecord& record = RecordOf(leg);
-  const PickTask& task = record_.task;
-  record.caption =
-      fmt::format(fmt::runtime(kLegTraits[leg].caption), fmt::arg("object", task.object.name),
-                  fmt::arg("from", task.from), fmt::arg("to", task.to));
-  record.from = session().Now();
-  record.q = plan.q_end;
-  record.path = plan.path;
-  if (kLegTraits[leg].is_held) {
-    record.object = task.object.name;
-    record.O_T_object = model::Multiply(
-        model::ArmModel::Panda().Pose(model::Frame::kEndEffector, plan.q_end, stage_->F_T_EE()),
-        model::Inverse(record_.B_T_EE));
-  }
-  StepEnd end = Follow(record.id, plan, q);
-  record.until = session().Now();
-  return end;
-}
-
-run::Motion PickAndPlace::OnPoses(const std::string& name, const LegPlan& leg,
-                                  const JointVector& q) const {
-  LegPlan from_here = leg;
-  from_here.poses.front() =
-      model::ArmModel::Panda().Pose(model::Frame::kEndEffector, q, stage_->F_T_EE());
-  reference::PoseTrajectory poses = PathOf(from_here, session().robot().cartesian);
-  run::Motion motion =
-      run::MotionOn(stage_->scenario, name, control::CommandInterface::kJointPosition,
-                    run::StandingFor(q, poses.duration(), session().robot().limits));
-  motion.poses = std::move(poses);
-  motion.controller.type = "cartesian_pose";
-  motion.controller.parameters = controller_;
-  return motion;
-}
-
-run::Motion PickAndPlace::OnJoints(const std::string& name, const LegPlan& leg,
-                                   const JointVector& q) const {
-  std::vector<reference::Waypoint> from_here = leg.joints;
-  from_here.front().q = q;
-  return run::MotionOn(stage_->scenario, name, control::CommandInterface::kJointPosition,
-                       reference::Trajectory(from_here, {}, session().robot().limits));
-}
-
-StepEnd PickAndPlace::Follow(const std::string& name, const LegPlan& leg, const JointVector& q) {
-  if (leg.is_at_end()) return {true, "already there"};
-  const run::MotionResult result =
-      stage_->Move(leg.joints.empty() ? OnPoses(name, leg, q) : OnJoints(name, leg, q));
-  if (result.report.succeeded()) {
-    return {true, fmt::format("{:.2f} s{}", ToSeconds(leg.duration),
-                              leg.joints.empty() ? "" : ", sampled in joint space")};
-  }
-  if (!session().interrupted()) session().Recover();
-  return {false, result.report.failure};
-}
-
-StepEnd PickAndPlace::Open() {
-  if (std::abs(hand_state().width - opening()) < kSameWidth) return {};
-  const run::HandOutcome outcome =
-      session().Command(hand::Move{.width = opening(), .speed = kOpeningSpeed});
-  if (outcome.result == HandResult::kSuccess) return {};
-  return {false, fmt::format("the hand did not open to {:.1f} mm: it stands at {:.1f} mm. {}",
-                             opening() * 1e3, outcome.width * 1e3, outcome.failure)};
-}
-
-bool PickAndPlace::Holds() const {
-  const HandState state = hand_state();
-  return state.is_grasped && std::abs(state.width - plan_.grip.width) <= parameters_.tolerance;
-}
-
-setting::Load PickAndPlace::LoadOfObject() const {
-  const Transform F_T_B =
-      model::Multiply(session().robot().F_T_NE, model::Inverse(plan_.grip.B_T_NE));
-  return {.m_load = record_.task.nominal_mass, .F_x_Cload = {F_T_B[12], F_T_B[13], F_T_B[14]}};
-}
-
-StepEnd PickAndPlace::Approach() {
-  if (Holds()) return {true, "the hand holds it already"};
-  if (StepEnd open = Open(); !open.succeeded) return open;
-  if (is_around_object_) {
-    const JointVector q = Ready();
-    auto away = planner_->BackOff(q, plan_.grip);
-    if (auto* why = std::get_if<std::string>(&away)) return {false, std::move(*why)};
-    if (StepEnd end = Follow("back off", std::get<LegPlan>(away), q); !end.succeeded) return end;
-    is_around_object_ = false;
-  }
-  return Go(kApproach);
-}
-
-StepEnd PickAndPlace::Grasp() {
-  if (Holds()) return {true, "the hand holds it already"};
-  is_around_object_ = true;
-  if (StepEnd end = Go(kGrasp); !end.succeeded) return end;
-  const run::HandOutcome outcome =
-      session().Command(hand::Grasp{.width = plan_.grip.width,
-                                    .speed = parameters_.speed,
-                                    .force = parameters_.force,
-                                    .epsilon_inner = parameters_.tolerance,
-                                    .epsilon_outer = parameters_.tolerance});
-  record_.width_grasped = outcome.width;
-  RecordOf(kGrasp).until = session().Now();
-  if (outcome.result == HandResult::kSuccess && Holds()) {
-    return {true, fmt::format("{:.2f} mm wide", outcome.width * 1e3)};
-  }
-  return {false, fmt::format("the fingers stand at {:.1f} mm, the {} is {:.1f} mm wide. {}",
-                             outcome.width * 1e3, record_.task.object.name, plan_.grip.width * 1e3,
-                             outcome.failure)};
-}
-
-StepEnd PickAndPlace::Carry(Leg leg) {
-  const auto lost = [this]() -> StepEnd {
-    return {false, fmt::format("the hand lost the {}: it stands at {:.1f} mm",
-                               record_.task.object.name, hand_state().width * 1e3)};
-  };
-  if (!Holds()) return lost();
-  StepEnd end = Go(leg);
-  return end.succeeded && !Holds() ? lost() : end;
-}
-
-StepEnd PickAndPlace::Lift() {
-  static_cast<void>(Ready());
-  Configure(LoadOfObject());
-  return Carry(kLift);
-}
-
-StepEnd PickAndPlace::Place() {
-  StepEnd end = Carry(kPlace);
-  if (!end.succeeded) return end;
-  record_.is_placed = true;
-  record_.O_T_EE_placed = session().ReadState().O_T_EE;
-  record_.width_placed = hand_state().width;
-  return end;
-}
-
-StepEnd PickAndPlace::Release() {
-  // The surface bears the object from here on, so the arm does not jerk when the fingers open.
-  Configure(stage_->scenario.onboard.load);
-  StepEnd end = Open();
-  RecordOf(kPlace).until = session().Now();
-  return end;
-}
-
-StepEnd PickAndPlace::Retreat() {
-  StepEnd end = Go(kRetreat);
-  if (end.succeeded && session().WaitForRest() != run::WaitEnd::kDone) {
-    return {false, "the arm does not come to rest"};
-  }
-  return end;
+  steps_.Begin(stage, TaskOf(stage.scenario));
+  const int tries = steps_.handling().tries;
+  stage.Carry({StepOf(steps_, "plan", &PickSteps::Plan),
+               StepOf(steps_, "approach", &PickSteps::Approach, "approach", 2),
+               StepOf(steps_, "grasp", &PickSteps::Grasp, "approach", tries),
+               StepOf(steps_, "lift", &PickSteps::Lift, "approach", 2),
+               StepOf(steps_, "transfer", &PickSteps::Transfer, "transfer", 2),
+               StepOf(steps_, "place", &PickSteps::Place, "place", 2),
+               StepOf(steps_, "release", &PickSteps::Release),
+               StepOf(steps_, "retreat", &PickSteps::Retreat, "retreat", 2)});
 }
 
 }  // namespace

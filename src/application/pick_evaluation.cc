@@ -3,8 +3,10 @@
 #include <cstdint>
 #include <numbers>
 #include <optional>
+#include <string_view>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include <fmt/format.h>
 #include <Eigen/Core>
@@ -25,6 +27,7 @@ constexpr double kMostAngleError = 3 * kDegree;  // rad
 constexpr double kStillSpeed = 1e-3;             // m/s
 constexpr double kStillTurnRate = kDegree;       // rad/s
 constexpr double kLongestFallMs = 20;            // of a fall of 2 mm
+constexpr double kLeastHeldByBothMs = 100;       // longer than a finger's rebound
 constexpr std::uint64_t kCyclesPerSample = 5;
 
 double PositionError(const Transform& a, const Transform& b) {
@@ -33,6 +36,11 @@ double PositionError(const Transform& a, const Transform& b) {
 
 double AngleError(const Transform& a, const Transform& b) {
   return model::TurnBetween(a, b).norm();
+}
+
+/// The object's pose in the base.
+Transform InBase(const PickTask& task, const Transform& X_WB) {
+  return model::Multiply(model::Inverse(task.X_WO), X_WB);
 }
 
 /// The longest time without support by the surroundings or by both fingers.
@@ -69,7 +77,7 @@ void ReportSlip(const ObjectTrack& track, const PickTask& task, Evaluation& eval
   double distance = 0;
   double angle = 0;
   for (const plant::ObjectSample& sample : track.samples) {
-    if (sample.at <= carried->first) before = sample.X_WB;
+    if (sample.at <= carried->first) before = InBase(task, sample.X_WB);
     if (sample.at < carried->first || sample.at > carried->second) continue;
     if (!first) first = sample.X_HB;
     distance = std::max(distance, PositionError(*first, sample.X_HB));
@@ -81,36 +89,88 @@ void ReportSlip(const ObjectTrack& track, const PickTask& task, Evaluation& eval
   evaluation.Add("rotation of the object in the hand, largest", angle / kDegree, "deg");
 }
 
-std::vector<std::string> UnwantedContacts(const PickTask& task, const plant::ContactWatch& contacts,
+/// Whether a part is a finger of the robot whose parts' names begin so.
+bool IsFinger(std::string_view part, const std::string& prefix) {
+  return part == prefix + "panda_leftfinger" || part == prefix + "panda_rightfinger";
+}
+
+std::vector<std::string> UnwantedContacts(const PickRecord& record, const Evidence& evidence,
                                           const ObjectTrack& track) {
+  const PickTask& task = record.task;
   std::vector<std::string> unwanted;
-  for (const plant::ContactPair& pair : contacts.Pairs()) {
-    const bool is_finger = pair.a == "panda_leftfinger" || pair.a == "panda_rightfinger";
-    if (is_finger && pair.b == task.object.name) continue;
+  for (const plant::ContactPair& pair : evidence.contacts->Pairs()) {
+    if (IsFinger(pair.a, evidence.prefix) && pair.b == task.object.name) continue;
     unwanted.push_back(fmt::format("{} and {}", pair.a, pair.b));
   }
   for (const plant::ObjectContact& contact : track.touched) {
-    if (contact.part == task.from || contact.part == task.to) continue;
-    unwanted.push_back(fmt::format("{} and {}", track.body, contact.part));
+    const std::string& part = contact.part;
+    if (part == task.from || part == task.to || part == record.support) continue;
+    if (!record.partner.empty() && IsFinger(part, record.partner + "/")) continue;
+    unwanted.push_back(fmt::format("{} and {}", track.body, part));
   }
   return unwanted;
 }
 
-/// The object's motion, by ground truth.
-void EvaluateTruth(const PickTask& task, const plant::ContactWatch& contacts,
-                   const ObjectTrack& track, Evaluation& evaluation) {
-  const plant::ObjectSample& end = track.last;
-  evaluation.DemandAtMost("object position error", PositionError(end.X_WB, task.O_T_goal) * 1e3,
-                          "mm", kMostPositionError * 1e3);
-  evaluation.DemandAtMost("object orientation error", AngleError(end.X_WB, task.O_T_goal) / kDegree,
+/// How long the fingers of both robots held the object together, until the partner let go.
+Duration HeldByBoth(const ObjectTrack& track, const std::string& partner) {
+  std::vector<Time> let_go;
+  for (const plant::ObjectContact& contact : track.touched) {
+    if (IsFinger(contact.part, partner + "/")) let_go.push_back(contact.last);
+  }
+  if (let_go.size() != 2) return Duration::zero();
+  const Time until = std::ranges::min(let_go);
+  bool holds = false;
+  Time since{};
+  for (const plant::SupportChange& change : track.changes) {
+    if (change.at > until) break;
+    if (change.now.between_fingers() && !holds) since = change.at;
+    holds = change.now.between_fingers();
+  }
+  return holds ? until - since : Duration::zero();
+}
+
+/// What becomes of an object between two hands.
+void EvaluateHandOver(const PickRecord& record, const ObjectTrack& track, Evaluation& evaluation) {
+  if (!record.task.to.empty()) {
+    const double held_ms = ToSeconds(HeldByBoth(track, record.partner)) * 1e3;
+    evaluation.Demand("time in both hands", held_ms, "ms",
+                      fmt::format("at least {:g} ms", kLeastHeldByBothMs),
+                      held_ms >= kLeastHeldByBothMs);
+    return;
+  }
+  const auto held_out =
+      std::ranges::lower_bound(track.samples, record.offered, {}, &plant::ObjectSample::at);
+  if (!record.is_placed || held_out == track.samples.end()) return;
+  const Transform O_T_B = InBase(record.task, held_out->X_WB);
+  evaluation.DemandAtMost("position error of the object as it is held out",
+                          PositionError(O_T_B, record.task.O_T_goal) * 1e3, "mm",
+                          kMostPositionError * 1e3);
+  evaluation.DemandAtMost("orientation error of the object as it is held out",
+                          AngleError(O_T_B, record.task.O_T_goal) / kDegree, "deg",
+                          kMostAngleError / kDegree);
+}
+
+/// Where the object is at the end, by ground truth.
+void EvaluateEnd(const PickTask& task, const plant::ObjectSample& end, Evaluation& evaluation) {
+  const Transform O_T_B = InBase(task, end.X_WB);
+  evaluation.DemandAtMost("object position error", PositionError(O_T_B, task.O_T_goal) * 1e3, "mm",
+                          kMostPositionError * 1e3);
+  evaluation.DemandAtMost("object orientation error", AngleError(O_T_B, task.O_T_goal) / kDegree,
                           "deg", kMostAngleError / kDegree);
   evaluation.DemandAtMost("object speed at the end", end.speed * 1e3, "mm/s", kStillSpeed * 1e3);
   evaluation.DemandAtMost("object turn rate at the end", end.turn_rate / kDegree, "deg/s",
                           kStillTurnRate / kDegree);
+}
+
+/// The object's motion, by ground truth.
+void EvaluateTruth(const PickRecord& record, const Evidence& evidence, const ObjectTrack& track,
+                   Evaluation& evaluation) {
+  if (!record.task.to.empty()) EvaluateEnd(record.task, track.last, evaluation);
   evaluation.DemandAtMost("longest free fall of the object", ToSeconds(LongestFall(track)) * 1e3,
                           "ms", kLongestFallMs);
-  evaluation.DemandNone("unwanted contacts", UnwantedContacts(task, contacts, track));
-  ReportSlip(track, task, evaluation);
+  evaluation.DemandNone("unwanted contacts", UnwantedContacts(record, evidence, track));
+  if (!record.partner.empty()) EvaluateHandOver(record, track, evaluation);
+  ReportSlip(track, record.task, evaluation);
 }
 
 /// The object's pose by the robot's joints. @param is_demanded  true without ground truth.
@@ -198,7 +258,7 @@ Evaluation EvaluatePick(const PickRecord& record, const TaskResult& task_result,
                    AngleError(record.task.O_T_object, record.task.object.X_WB) / kDegree, "deg");
   }
   const std::optional<ObjectTrack> track = evidence.TrackOf(record.task.object.name);
-  if (track) EvaluateTruth(record.task, *evidence.contacts, *track, evaluation);
+  if (track) EvaluateTruth(record, evidence, *track, evaluation);
   EvaluateRelease(record, !track, evaluation);
   const auto failed = std::ranges::count(task_result.task.steps, false, &StepReport::succeeded);
   evaluation.Add("repeated or failed attempts", static_cast<double>(failed));

@@ -122,7 +122,8 @@ std::vector<PickPlanner::Route> PickPlanner::RoutesOf(Leg leg, const Transform& 
     case kRetreat: {
       const Vector3d away =
           model::Orientation(task_.O_T_goal) * Vector3d(grip.B_up.data()) * options_.above;
-      return {{kStraight, {MovedBy(at_goal, away)}}};
+      const Transform clear = MovedBy(at_goal, away);
+      return {{kStraight, {clear, MovedBy(clear, Vector3d(task_.withdraw.data()))}}};
     }
     case kLegs: break;
   }
@@ -137,11 +138,13 @@ void PickPlanner::SetWorld(Leg leg, const Grip& grip) {
   world_.SetHandWidth(is_held ? grip.width : OpeningFor(grip));
   if (is_held) {
     world_.Attach(name, model::Multiply(robot_.F_T_NE, model::Inverse(grip.B_T_NE)));
-    if (leg == kLift) world_.Allow(name, task_.from);
-    if (leg == kPlace) world_.Allow(name, task_.to);
+    const std::string& support = leg == kPlace ? task_.to : task_.from;
+    if ((leg == kLift || leg == kPlace) && !support.empty()) world_.Allow(name, support);
   } else {
-    world_.Place(name, leg == kRetreat ? task_.O_T_goal : task_.object.X_WB);
+    const Transform& O_T_B = leg == kRetreat ? task_.O_T_goal : task_.object.X_WB;
+    world_.Place(name, model::Multiply(task_.X_WO, O_T_B));
   }
+  if (task_.around) task_.around(world_, leg);
 }
 
 OrReason<std::vector<JointVector>> PickPlanner::Follow(LegPlan& leg, const JointVector& q,
@@ -279,13 +282,16 @@ OrReason<PickPlan> PickPlanner::Plan(const JointVector& q) {
   const std::vector<Grip> grips = GripsOf(task_.object, task_.from_up,
                                           {.palm = options_.clearance + 2e-3,
                                            .below = options_.near + 3e-3,
-                                           .beside = options_.near + 1e-3});
+                                           .beside = options_.near + 1e-3},
+                                          task_.grip);
   if (grips.empty()) {
     return fmt::format(
-        "{} ({} x {} x {} m) cannot be gripped from above: it is too wide for the hand, which "
-        "opens by {} m, or too flat",
+        "{} ({} x {} x {} m) cannot be gripped from above{}: it is too wide for the hand, which "
+        "opens by {} m, or too flat{}",
         task_.object.name, task_.object.size[0], task_.object.size[1], task_.object.size[2],
-        kHandStroke);
+        task_.grip.off_centre == 0 ? ""
+                                   : fmt::format(" at {} m from its middle", task_.grip.off_centre),
+        kHandStroke, task_.grip.off_centre == 0 ? "" : ", or too short");
   }
   SetWorld(kApproach, grips.front());
   if (const auto touches = world_.Touches(q, options_.clearance); !touches.empty()) {

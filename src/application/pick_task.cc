@@ -26,7 +26,8 @@ constexpr double kFarthestGrasp = 2;  // m: beyond any reach
 /// Name of the ground plane in the scenes.
 constexpr const char* kFloor = "floor";
 
-scenario::FramePose ReadPlace(control::ParameterReader& p, const std::string& key, double least) {
+/// @param least  share of the bounds: -1 for a pose, 0 for a spread.
+scenario::FramePose ReadPose(control::ParameterReader& p, const std::string& key, double least) {
   return {.position = p.Vector(key + "position", Dimension::kLength, {}, least * kFarthestGrasp,
                                kFarthestGrasp),
           .rpy = p.Vector(key + "rpy", Dimension::kAngle, {}, least * kFullTurn, kFullTurn)};
@@ -90,6 +91,7 @@ Vector3 NormalOf(const Transform& top) {
 constexpr double kPalm = 0.0374;      // m, up to the palm
 constexpr double kTip = 0.0088;       // m, down to the tips
 constexpr double kLeastHold = 0.004;  // m, least height of the object above this midpoint
+constexpr double kHalfTip = 0.011;    // m, half of a fingertip's breadth
 
 /// A cylinder stands if the cosine of its axis's angle from the vertical is larger.
 constexpr double kStands = 0.7;
@@ -139,56 +141,95 @@ double HalfAlong(const plant::SceneObject& object, const Vector3d& up) {
   return up.cwiseAbs().dot(Vector3d(object.size.data())) / 2;
 }
 
+/// Where along an axis a hand takes the object, object's axes.
+std::vector<Vector3d> PlacesOn(const plant::SceneObject& object, const Vector3d& along,
+                               const GripPlace& place) {
+  if (place.off_centre == 0) return {Vector3d::Zero()};
+  const bool is_straight =
+      object.shape == plant::ObjectShape::kBox || std::abs(along.z()) > kStands;
+  if (!is_straight || place.off_centre + kHalfTip > HalfAlong(object, along)) return {};
+  std::vector<Vector3d> places;
+  for (const double sign : {1.0, -1.0}) {
+    const Vector3d p = sign * place.off_centre * along;
+    if (p.dot(Vector3d(place.B_side.data())) >= 0) places.push_back(p);
+  }
+  return places;
+}
+
 }  // namespace
 
-PickParameters::PickParameters(control::ParameterReader& p)
+Handling::Handling(control::ParameterReader& p)
     : object(RequiredText(p, "object")),
-      on(RequiredText(p, "place.on")),
-      place(ReadPlace(p, "place.", -1)),
-      spread(ReadPlace(p, "place.spread.", 0)),
-      perception(ReadPlace(p, "perception.spread.", 0)),
+      perception(ReadPose(p, "perception.spread.", 0)),
       force(p.Quantity("grasp.force", Dimension::kForce, 40, 1, 140)),
       speed(p.Quantity("grasp.speed", Dimension::kVelocity, 0.05, 0.001, 0.1)),
       tolerance(p.Quantity("grasp.tolerance", Dimension::kLength, 0.003, 1e-4, 0.04)),
       tries(static_cast<int>(p.Number("grasp.tries", 3, 1, 10))),
       options(ReadOptions(p)),
-      object_key(p.PlaceOf("object")),
+      object_key(p.PlaceOf("object")) {}
+
+PutDown::PutDown(control::ParameterReader& p)
+    : on(RequiredText(p, "place.on")),
+      place(ReadPose(p, "place.", -1)),
+      spread(ReadPose(p, "place.spread.", 0)),
       on_key(p.PlaceOf("place.on")) {}
 
-PickTask TaskOf(const scenario::Scenario& scenario, const PickParameters& parameters) {
+scenario::FramePose ReadPlace(control::ParameterReader& parameters, const std::string& key) {
+  return ReadPose(parameters, key + ".", -1);
+}
+
+PickTask ObjectOf(const scenario::Scenario& scenario, const Handling& handling) {
   const std::vector<plant::SceneObject> objects = ObjectsOf(scenario.objects, scenario.seed);
-  const plant::SceneObject& object = FindObject(objects, parameters.object, parameters.object_key);
+  const plant::SceneObject& object = FindObject(objects, handling.object, handling.object_key);
   if (!object.mass || object.shape == plant::ObjectShape::kSphere) {
-    throw InputError(fmt::format("{}{} is {}", parameters.object_key, object.name,
+    throw InputError(fmt::format("{}{} is {}", handling.object_key, object.name,
                                  object.mass ? "a sphere, which does not stay where it is put"
                                              : "fixed to the world; give it a mass"));
   }
-  const plant::SceneObject& below = FindObject(objects, parameters.on, parameters.on_key);
   const scenario::ObjectSection& section =
-      FindObject(scenario.objects, parameters.object, parameters.object_key);
-  PickTask task{.object = object, .to = below.name, .nominal_mass = section.mass.value_or(0)};
-  const Transform to_top = scenario::TopOf(below);
-  task.to_up = NormalOf(to_top);
-  task.O_T_goal = scenario::StandingOn(
-      to_top, object, Drawn(parameters.place, parameters.spread, scenario.seed, 0));
-  task.O_T_object = object.X_WB;
-  if (parameters.perception != scenario::FramePose()) {
-    const scenario::FramePose error = Drawn({}, parameters.perception, scenario.seed, 1);
-    task.object.X_WB = model::Multiply(object.X_WB, error.Matrix());
+      FindObject(scenario.objects, handling.object, handling.object_key);
+  PickTask task{.X_WO = scenario.robot.pose.Matrix(), .object = object};
+  task.nominal_mass = section.mass.value_or(0);
+  const Transform X_OW = model::Inverse(task.X_WO);
+  task.O_T_object = model::Multiply(X_OW, object.X_WB);
+  task.object.X_WB = task.O_T_object;
+  if (handling.perception != scenario::FramePose()) {
+    const scenario::FramePose error = Drawn({}, handling.perception, scenario.seed, 1);
+    task.object.X_WB = model::Multiply(task.O_T_object, error.Matrix());
   }
   task.from = section.on == scenario::kGround ? kFloor : section.on;
   if (task.from.empty()) {
     throw InputError(fmt::format("{}{} stands on nothing; say on which object, or on: {}",
-                                 parameters.object_key, object.name, scenario::kGround));
+                                 handling.object_key, object.name, scenario::kGround));
   }
   if (task.from != kFloor) {
-    task.from_up = NormalOf(scenario::TopOf(FindObject(objects, task.from, parameters.object_key)));
+    const plant::SceneObject& below = FindObject(objects, task.from, handling.object_key);
+    task.from_up = NormalOf(model::Multiply(X_OW, scenario::TopOf(below)));
   }
   return task;
 }
 
-std::vector<Grip> GripsOf(const plant::SceneObject& object, const Vector3& up,
-                          const GripRoom& room) {
+void AddGoal(const scenario::Scenario& scenario, const PutDown& put_down, PickTask& task) {
+  const std::vector<plant::SceneObject> objects = ObjectsOf(scenario.objects, scenario.seed);
+  const plant::SceneObject& below = FindObject(objects, put_down.on, put_down.on_key);
+  const Transform X_OW = model::Inverse(task.X_WO);
+  const Transform X_WT = scenario::TopOf(below);
+  task.to = below.name;
+  task.to_up = NormalOf(model::Multiply(X_OW, X_WT));
+  task.O_T_goal = model::Multiply(
+      X_OW, scenario::StandingOn(X_WT, task.object,
+                                 Drawn(put_down.place, put_down.spread, scenario.seed, 0)));
+}
+
+void RequireFingers(const scenario::Scenario& scenario) {
+  if (scenario.robot.hand == plant::HandKind::kFrankaHand) return;
+  throw InputError(
+      fmt::format("application {}: robot.hand has no fingers; say robot: {{hand: franka_hand}}",
+                  scenario.application.value().type));
+}
+
+std::vector<Grip> GripsOf(const plant::SceneObject& object, const Vector3& up, const GripRoom& room,
+                          const GripPlace& place) {
   const Matrix3d O_R_B = model::Orientation(object.X_WB).toRotationMatrix();
   const Vector3d B_up = UpOf(object, O_R_B.transpose() * Vector3d(up.data()));
   const double half = HalfAlong(object, B_up);
@@ -197,14 +238,16 @@ std::vector<Grip> GripsOf(const plant::SceneObject& object, const Vector3& up,
   if (height > half - kLeastHold) return grips;
   for (const Closing& closing : ClosingsOf(object, B_up)) {
     if (closing.width > kHandStroke - 2 * room.beside) continue;
-    for (const double sign : {1.0, -1.0}) {
-      Matrix3d B_R_NE;
-      B_R_NE.col(1) = sign * closing.axis;
-      B_R_NE.col(2) = -B_up;
-      B_R_NE.col(0) = B_R_NE.col(1).cross(B_R_NE.col(2));
-      grips.push_back({.B_T_NE = model::Pose(Eigen::Quaterniond(B_R_NE), height * B_up),
-                       .B_up = {B_up.x(), B_up.y(), B_up.z()},
-                       .width = closing.width});
+    for (const Vector3d& B_p : PlacesOn(object, closing.axis.cross(B_up), place)) {
+      for (const double sign : {1.0, -1.0}) {
+        Matrix3d B_R_NE;
+        B_R_NE.col(1) = sign * closing.axis;
+        B_R_NE.col(2) = -B_up;
+        B_R_NE.col(0) = B_R_NE.col(1).cross(B_R_NE.col(2));
+        grips.push_back({.B_T_NE = model::Pose(Eigen::Quaterniond(B_R_NE), height * B_up + B_p),
+                         .B_up = {B_up.x(), B_up.y(), B_up.z()},
+                         .width = closing.width});
+      }
     }
   }
   return grips;

@@ -4,6 +4,7 @@
 #include <exception>
 #include <fstream>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -13,6 +14,8 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "twin/application/application.h"
+#include "twin/application/partners.h"
 #include "twin/application/validate.h"
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
@@ -90,9 +93,13 @@ class CellRecorder {
   [[nodiscard]] bool makes_video() const {
     return common().render.enabled && common().record && inputs_.options.makes_video;
   }
+  /// Refuses what a run would, before the first of them.
+  void RequireSound(const run::Island& island) const;
   void RunIsland(const run::Island& island);
   /// @param backends  of the run. Never throws: what it would is in the robot's end.
-  void RunRobot(const scenario::CellRobot& robot, const backend::Registry& backends, RobotEnd& end);
+  void RunRobot(const Partners& partners, const backend::Registry& backends, RobotEnd& end);
+  /// Moves what their runs took for preparation and plots out of run_s.
+  void TakeTimesOfRobots();
   [[nodiscard]] Json Summary() const;
   void MakeVideo();
 
@@ -111,11 +118,7 @@ void CellRecorder::Execute() {
     replay::CheckCellPicture(inputs_.cell, inputs_.files, inputs_.options.scenario);
   }
   const std::vector<run::Island> islands = run::IslandsOf(inputs_.cell, inputs_.files);
-  for (const scenario::CellRobot& robot : inputs_.cell.robots) {
-    // A motion that is planned is judged when it is planned.
-    if (robot.scenario.motion.plan) continue;
-    static_cast<void>(run::Run(robot.scenario, inputs_.catalogue, inputs_.files, nullptr));
-  }
+  for (const run::Island& island : islands) RequireSound(island);
   inputs_.console.ThrowIfInterrupted();
   out_.Prepare();
   out_.Clear();
@@ -123,6 +126,7 @@ void CellRecorder::Execute() {
   const Time begin = clock_.Now();
   for (const run::Island& island : islands) RunIsland(island);
   times_.run_s = ToSeconds(clock_.Now() - begin);
+  TakeTimesOfRobots();
   for (const RobotEnd& end : ends_) {
     if (end.why) std::rethrow_exception(end.why);
   }
@@ -144,8 +148,24 @@ void CellRecorder::Execute() {
   if (!failures.empty()) throw RobotFault(failures);
 }
 
-void CellRecorder::RunRobot(const scenario::CellRobot& robot, const backend::Registry& backends,
+void CellRecorder::RequireSound(const run::Island& island) const {
+  MessageBoard board(island.robots);
+  for (std::size_t i = 0; i < island.robots.size(); ++i) {
+    const scenario::Scenario& scenario = island.robots[i].scenario;
+    const Partners partners(board, i);
+    // A motion that is planned is judged when it is planned.
+    if (scenario.motion.plan) continue;
+    if (scenario.application) {
+      static_cast<void>(Make(scenario, &partners));
+    } else {
+      static_cast<void>(run::Run(scenario, inputs_.catalogue, inputs_.files, nullptr));
+    }
+  }
+}
+
+void CellRecorder::RunRobot(const Partners& partners, const backend::Registry& backends,
                             RobotEnd& end) {
+  const scenario::CellRobot& robot = partners.robots()[partners.own()];
   RobotConsole console(inputs_.console, robot.name);
   RunOptions options = inputs_.options;
   options.out = out_.folder() / robot.name;
@@ -154,7 +174,7 @@ void CellRecorder::RunRobot(const scenario::CellRobot& robot, const backend::Reg
   const run::Catalogue catalogue{backends, inputs_.catalogue.controllers,
                                  inputs_.catalogue.devices};
   try {
-    RecordRun({robot.scenario, options, inputs_.files, catalogue, console});
+    RecordRun({robot.scenario, options, inputs_.files, catalogue, console, &partners});
   } catch (const RobotFault& fault) {
     end.failure = fault.what();
   } catch (const run::NoPlanError& error) {
@@ -163,6 +183,7 @@ void CellRecorder::RunRobot(const scenario::CellRobot& robot, const backend::Reg
     end.why = std::current_exception();
     console.Interrupt();  // the others stop, too
   }
+  partners.board().End(partners.own(), end.failure);
 }
 
 void CellRecorder::RunIsland(const run::Island& island) {
@@ -172,17 +193,18 @@ void CellRecorder::RunIsland(const run::Island& island) {
         RobotEnd{.name = robot.name, .shares_with = NamesOf(island), .failure = {}}));
   }
   const backend::Registry& known = inputs_.catalogue.backends;
-  if (island.robots.size() == 1) {
-    return RunRobot(island.robots.front(), known, *ends.front());
-  }
+  MessageBoard board(island.robots);
+  if (island.robots.size() == 1) return RunRobot(Partners(board, 0), known, *ends.front());
   const auto shared = plant::SharedModel::Create(run::PlantsOf(island.robots, inputs_.files),
                                                  [] { rt::Fiber::Yield(); });
   std::deque<backend::Registry> seats;
   std::deque<rt::Fiber> runs;
   for (std::size_t i = 0; i < island.robots.size(); ++i) {
-    const scenario::CellRobot& robot = island.robots[i];
-    const backend::Registry& seat = seats.emplace_back(run::SeatOf(robot, shared, known));
-    runs.emplace_back([this, &robot, &seat, end = ends[i]] { RunRobot(robot, seat, *end); });
+    const backend::Registry& seat =
+        seats.emplace_back(run::SeatOf(island.robots[i], shared, known));
+    runs.emplace_back([this, partners = Partners(board, i), &seat, end = ends[i]] {
+      RunRobot(partners, seat, *end);
+    });
   }
   for (bool goes_on = true; goes_on;) {
     goes_on = false;
@@ -191,6 +213,19 @@ void CellRecorder::RunIsland(const run::Island& island) {
       goes_on = true;
       one.Resume();
     }
+  }
+}
+
+void CellRecorder::TakeTimesOfRobots() {
+  for (const RobotEnd& end : ends_) {
+    std::ifstream file(run::ResultFolder(out_.folder() / end.name).timing());
+    const Json own = Json::parse(file, nullptr, false);
+    if (!own.is_object()) continue;  // it ended before
+    const double prepare_s = own.value("prepare_s", 0.0);
+    const double plots_s = own.value("plots_s", 0.0);
+    times_.prepare_s += prepare_s;
+    times_.plots_s += plots_s;
+    times_.run_s -= prepare_s + plots_s;
   }
 }
 
@@ -235,16 +270,25 @@ void RecordCell(const CellInputs& inputs) {
 std::string ValidateCell(const scenario::Cell& cell, const std::filesystem::path& file,
                          const run::Catalogue& catalogue, const run::RunFiles& files) {
   run::RequireLockstep(cell);
-  std::string text;
-  for (const scenario::CellRobot& robot : cell.robots) {
-    text += fmt::format("{}:\n{}", robot.name, Validate(robot.scenario, file, catalogue, files));
+  std::map<std::string, std::string> texts;  // in the order of the names
+  std::string together;
+  for (const run::Island& island : run::IslandsOf(cell, files)) {
+    MessageBoard board(island.robots);
+    for (std::size_t i = 0; i < island.robots.size(); ++i) {
+      const Partners partners(board, i);
+      const scenario::CellRobot& robot = island.robots[i];
+      texts[robot.name] =
+          Validate(robot.scenario, file, catalogue, files, LibraryCheck::kNotLoaded, &partners);
+    }
+    if (island.robots.size() > 1) {
+      together += fmt::format("  reach each other  {}\n", NamesOf(island));
+    }
   }
   run::RequireApartAtStart(cell, files);
   if (cell.common.render.enabled) replay::CheckCellPicture(cell, files, file);
-  for (const run::Island& island : run::IslandsOf(cell, files)) {
-    if (island.robots.size() > 1) text += fmt::format("  reach each other  {}\n", NamesOf(island));
-  }
-  return text;
+  std::string text;
+  for (const auto& [name, checked] : texts) text += fmt::format("{}:\n{}", name, checked);
+  return text + together;
 }
 
 }  // namespace twin::application

@@ -100,9 +100,10 @@ std::string CheckWithoutLibrary(const scenario::Scenario& scenario,
 }
 
 std::string CheckApplication(const scenario::Scenario& scenario, const std::filesystem::path& file,
-                             const run::Catalogue& catalogue, const run::RunFiles& files) {
+                             const run::Catalogue& catalogue, const run::RunFiles& files,
+                             const Partners* partners) {
   const MonotonicClock clock;
-  const application::ApplicationRun run(scenario, catalogue, files, nullptr, clock);
+  const application::ApplicationRun run(scenario, catalogue, files, nullptr, clock, {}, partners);
   CheckCamera(scenario, file, run.connection());
   return fmt::format("  application  {}; what it does is planned as it goes\n",
                      scenario.application->type);
@@ -112,12 +113,13 @@ std::string CheckApplication(const scenario::Scenario& scenario, const std::file
 
 std::string Validate(const scenario::Scenario& scenario, const std::filesystem::path& file,
                      const run::Catalogue& catalogue, const run::RunFiles& files,
-                     LibraryCheck library) {
+                     LibraryCheck library, const Partners* partners) {
   const bool loads = library == LibraryCheck::kLoaded;
-  const auto check = scenario.application                           ? &CheckApplication
-                     : loads || scenario.controller.library.empty() ? &CheckMotion
-                                                                    : &CheckWithoutLibrary;
-  std::string text = check(scenario, file, catalogue, files);
+  const auto check_motion =
+      loads || scenario.controller.library.empty() ? &CheckMotion : &CheckWithoutLibrary;
+  std::string text = scenario.application
+                         ? CheckApplication(scenario, file, catalogue, files, partners)
+                         : check_motion(scenario, file, catalogue, files);
   run::RequireFree(scenario, files);
   if (!scenario.motion.touches.empty()) {
     text += fmt::format("  collisions  not checked: {}\n", scenario.motion.touches);

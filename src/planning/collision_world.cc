@@ -80,8 +80,9 @@ std::string Describe(const std::vector<Touch>& touches) {
 }
 
 struct CollisionWorld::Parts {
-  explicit Parts(const plant::MujocoPlantOptions& options)
-      : compiled(plant::CompileModel(options)),
+  Parts(std::span<const plant::MujocoPlantOptions> arms, std::size_t own)
+      : all(plant::CompileModels(arms)),
+        compiled(all[own]),
         model(*compiled.model),
         data(mj_makeData(&model)),
         names(model),
@@ -104,10 +105,9 @@ struct CollisionWorld::Parts {
     std::array<double, 7> placed{};  ///< its qpos before the attachment
   };
 
-  void SetWidth(double width) {
-    for (const int finger : compiled.fingers) {
-      data->qpos[model.jnt_qposadr[finger]] = width / 2;
-    }
+  void SetWidth(double width) { SetWidth(compiled, width); }
+  void SetWidth(const plant::CompiledModel& arm, double width) {
+    for (const int finger : arm.fingers) data->qpos[model.jnt_qposadr[finger]] = width / 2;
   }
 
   void SetFreeJoint(int address, const Transform& X_WB) {
@@ -246,7 +246,8 @@ struct CollisionWorld::Parts {
     }
   }
 
-  plant::CompiledModel compiled;
+  const std::vector<plant::CompiledModel> all;  ///< the arms
+  const plant::CompiledModel& compiled;         ///< the one that moves
   const mjModel& model;
   std::unique_ptr<mjData, DataDeleter> data;
   const PartNames names;
@@ -266,7 +267,10 @@ struct CollisionWorld::Parts {
 };
 
 CollisionWorld::CollisionWorld(const plant::MujocoPlantOptions& options)
-    : parts_(std::make_unique<Parts>(options)) {}
+    : CollisionWorld({&options, 1}, 0) {}
+
+CollisionWorld::CollisionWorld(std::span<const plant::MujocoPlantOptions> arms, std::size_t own)
+    : parts_(std::make_unique<Parts>(arms, own)) {}
 
 CollisionWorld::~CollisionWorld() = default;
 
@@ -301,6 +305,15 @@ void CollisionWorld::Place(const std::string& body, const Transform& X_WB) {
   if (parts_->held.qpos == address) {
     std::copy_n(parts_->data->qpos + address, 7, parts_->held.placed.begin());
   }
+}
+
+void CollisionWorld::PlaceArm(std::size_t arm, const JointVector& q, double width) {
+  RequireInRange("planning: hand width of another arm", width, 0, Parts::kOpen);
+  const plant::CompiledModel& other = parts_->all.at(arm);
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    parts_->data->qpos[parts_->model.jnt_qposadr[other.arm[i]]] = q[i];
+  }
+  parts_->SetWidth(other, width);
 }
 
 void CollisionWorld::Attach(const std::string& body, const Transform& F_T_B) {

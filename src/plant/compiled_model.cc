@@ -11,30 +11,46 @@
 #include "twin/plant/engine.h"
 
 namespace twin::plant {
+namespace {
+
+/// The joints of an arm and its hand, without the model.
+CompiledModel ArmJointsOf(const RobotDescription& robot, const mjModel& model) {
+  CompiledModel compiled;
+  std::size_t i = 0;
+  for (const Link& link : robot.links) {
+    if (!HasRange(link.joint_kind)) continue;
+    const int joint = mj_name2id(&model, mjOBJ_JOINT, link.joint.c_str());
+    if (link.joint_kind == JointKind::kRevolute) {
+      compiled.arm[i++] = joint;
+    } else {
+      compiled.fingers.push_back(joint);
+      compiled.open = link.q_max;
+    }
+  }
+  return compiled;
+}
+
+}  // namespace
 
 CompiledModel CompileModel(const MujocoPlantOptions& options) {
+  return CompileModels({&options, 1}).front();
+}
+
+std::vector<CompiledModel> CompileModels(std::span<const MujocoPlantOptions> arms) {
   PrepareEngine();
   try {
-    const ModelSources sources = ReadModelSources({&options, 1});
-    BuiltModel built = LoadOrBuild(options, sources);
-    CompiledModel compiled;
-    std::size_t i = 0;
-    const RobotDescription& robot = sources.arms.front().robot;
-    for (const Link& link : robot.links) {
-      if (!HasRange(link.joint_kind)) continue;
-      const int joint = mj_name2id(built.model.get(), mjOBJ_JOINT, link.joint.c_str());
-      if (link.joint_kind == JointKind::kRevolute) {
-        compiled.arm[i++] = joint;
-      } else {
-        compiled.fingers.push_back(joint);
-        compiled.open = link.q_max;
+    const ModelSources sources = ReadModelSources(arms);
+    const std::shared_ptr<const mjModel> model = LoadOrBuild(arms.front(), sources).model;
+    std::vector<CompiledModel> all;
+    for (std::size_t i = 0; i < arms.size(); ++i) {
+      const RobotDescription& robot = sources.arms[i].robot;
+      CompiledModel& compiled = all.emplace_back(ArmJointsOf(robot, *model));
+      if (arms[i].base) {
+        compiled.base = mj_name2id(model.get(), mjOBJ_JOINT, robot.links.front().joint.c_str());
       }
+      compiled.model = model;
     }
-    const Link& root = robot.links.front();
-    if (options.base)
-      compiled.base = mj_name2id(built.model.get(), mjOBJ_JOINT, root.joint.c_str());
-    compiled.model = std::move(built.model);
-    return compiled;
+    return all;
   } catch (const EngineFault& fault) {
     throw EnvironmentError(
         fmt::format("the engine failed while it set up the model: {}", fault.what()));

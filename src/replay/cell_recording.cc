@@ -51,7 +51,7 @@ std::vector<Part> PartsOf(const run::Island& island, const std::filesystem::path
                           const run::RunFiles& files, const mjModel_& all) {
   std::vector<Part> parts;
   for (const scenario::CellRobot& robot : island.robots) {
-    plant::MujocoPlantOptions alone = run::PlantsOf({robot}, files).front();
+    plant::MujocoPlantOptions alone = run::PlantsOf({&robot, 1}, files).front();
     alone.prefix.clear();
     const plant::CompiledModel compiled = plant::CompileModel(alone);
     Part part{.scenes = ScenesOf(folder / robot.name),

@@ -126,7 +126,7 @@ std::string PrefixOf(const scenario::CellRobot& robot) {
   return robot.name + "/";
 }
 
-std::vector<plant::MujocoPlantOptions> PlantsOf(const std::vector<scenario::CellRobot>& robots,
+std::vector<plant::MujocoPlantOptions> PlantsOf(std::span<const scenario::CellRobot> robots,
                                                 const RunFiles& files) {
   std::vector<plant::MujocoPlantOptions> plants;
   for (const scenario::CellRobot& robot : robots) {

@@ -95,7 +95,14 @@ model::LimitedArm ArmOf(const scenario::Scenario& scenario, const scenario::Robo
 std::unique_ptr<planning::CollisionWorld> MakeWorld(const scenario::Scenario& scenario,
                                                     const scenario::RobotData& robot,
                                                     const plant::MujocoPlantOptions& options) {
-  auto world = std::make_unique<planning::CollisionWorld>(options);
+  return MakeWorld(scenario, robot, {&options, 1}, 0);
+}
+
+std::unique_ptr<planning::CollisionWorld> MakeWorld(const scenario::Scenario& scenario,
+                                                    const scenario::RobotData& robot,
+                                                    std::span<const plant::MujocoPlantOptions> arms,
+                                                    std::size_t own) {
+  auto world = std::make_unique<planning::CollisionWorld>(arms, own);
   world->SetLimits(scenario.limits, ArmOf(scenario, robot));
   return world;
 }

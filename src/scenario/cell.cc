@@ -21,11 +21,12 @@ constexpr std::array<std::string_view, 8> kCommonKeys{"name",  "description", "s
                                                       "scene", "objects",     "render", "record"};
 /// What a robot has of the scene's when it is read.
 constexpr std::array<std::string_view, 4> kHandedDown{"name", "drive", "scene", "record"};
-constexpr std::array<std::string_view, 14> kRobotKeys{
-    "seed",       "loop",   "robot",  "plant",         "link",          "onboard", "tick",
-    "controller", "motion", "limits", "max_deviation", "perturbations", "panel",   "hand"};
+constexpr std::array<std::string_view, 15> kRobotKeys{
+    "seed",    "loop",          "robot",         "plant",  "link",
+    "onboard", "tick",          "controller",    "motion", "application",
+    "limits",  "max_deviation", "perturbations", "panel",  "hand"};
 /// Of one robot alone.
-constexpr std::array<std::string_view, 4> kKeysOfOne{"backend", "base", "application", "operator"};
+constexpr std::array<std::string_view, 3> kKeysOfOne{"backend", "base", "operator"};
 /// Names of folders in that of a run.
 constexpr std::array<std::string_view, 3> kTaken{"plots", "motions", "snapshots"};
 
@@ -109,10 +110,11 @@ CellRobot ReadRobot(const std::string& name, const YamlNode& node, const YamlNod
   for (const std::string_view key : kHandedDown) {
     if (auto member = root.Member(key)) handed.emplace_back(key, *std::move(member));
   }
-  CellRobot robot{.name = name,
-                  .scenario = ReadScenario(node.With(handed), common.places.folder,
-                                           is_served && !node.Member("motion")),
-                  .where = node.Where()};
+  CellRobot robot{
+      .name = name,
+      .scenario = ReadScenario(node.With(handed), common.places.folder,
+                               is_served && !node.Member("motion") && !node.Member("application")),
+      .where = node.Where()};
   Scenario& scenario = robot.scenario;
   scenario.name = fmt::format("{}_{}", common.name, name);
   if (!node.Member("seed")) scenario.seed = SeedOf(common.seed, name);
@@ -158,12 +160,13 @@ Value Robots() {
         "panda_twin.Cell take such a scenario, and this one takes one robot");
   };
   robots.schema = [](Json& schema, Json& /*definitions*/) {
-    schema = {{"title",
-               "map of a name and these keys: seed, loop, robot, plant, link, onboard, "
-               "tick, controller, motion, limits, max_deviation, perturbations, panel, "
-               "hand"},
-              {"type", "object"},
-              {"minProperties", 1}};
+    schema = {
+        {"title",
+         "map of a name and these keys: seed, loop, robot, plant, link, onboard, "
+         "tick, controller, motion, application, limits, max_deviation, perturbations, panel, "
+         "hand"},
+        {"type", "object"},
+        {"minProperties", 1}};
     Json& robot = schema["additionalProperties"];
     robot = {{"type", "object"}, {"additionalProperties", false}};
     for (const std::string_view key : kRobotKeys) {

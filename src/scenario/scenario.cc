@@ -74,8 +74,6 @@ void ValidatePose(const Scenario& scenario) {
   if (scenario.robot.pose == plant::ArmPose()) return;
   RefuseIf(scenario.base.has_value(),
            "robot.pose: the arm stands on a mobile base; say base.start, or leave one of them out");
-  RefuseIf(scenario.application.has_value(),
-           "robot.pose: an application takes the arm to stand at the world's origin; leave it out");
   RefuseIf(scenario.is_remote(),
            "robot.pose: a robot at the other end of a wire stands where it stands; leave it out");
 }

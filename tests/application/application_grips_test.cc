@@ -82,5 +82,21 @@ TEST(GripsTest, TakeACanThatLiesAcrossOrByItsEnds) {
   EXPECT_EQ(GripsOf(Make(ObjectShape::kCylinder, {0.05, 0.05, 0.2}, true), kUp, {}).size(), 2U);
 }
 
+TEST(GripsTest, TakeABeamOffItsMiddleOnTheSideThatIsAskedFor) {
+  const SceneObject beam = Make(ObjectShape::kBox, {0.22, 0.04, 0.04});
+  EXPECT_EQ(GripsOf(beam, kUp, {}, {.off_centre = 0.07}).size(), 4U) << "either end, either way";
+  const std::vector<Grip> grips =
+      GripsOf(beam, kUp, {}, {.off_centre = 0.07, .B_side = {-0.1, 0, 0.3}});
+  ASSERT_EQ(grips.size(), 2U);
+  for (const Grip& grip : grips) {
+    EXPECT_TRUE(IsRigid(grip.B_T_NE));
+    EXPECT_NEAR(grip.B_T_NE[12], -0.07, 1e-12);
+    EXPECT_EQ(grip.width, 0.04);
+  }
+  EXPECT_TRUE(GripsOf(beam, kUp, {}, {.off_centre = 0.1}).empty()) << "fingers beyond its end";
+  const SceneObject can = Make(ObjectShape::kCylinder, {0.06, 0.06, 0.2});
+  EXPECT_TRUE(GripsOf(can, kUp, {}, {.off_centre = 0.01}).empty()) << "it stands";
+}
+
 }  // namespace
 }  // namespace twin::application::application_grips_test

@@ -78,6 +78,27 @@ TEST(PickAndPlaceTest, TiltsTheParcelOntoASurfaceThatLeans) {
   EXPECT_LT(goal[10], std::cos(0.25)) << "by 15 degrees at least";
 }
 
+TEST(PickAndPlaceTest, WorksWhereverTheArmStands) {
+  scenario::Scenario scenario = Shipped();
+  scenario.robot.pose = {.position = {0.4, -0.7, 0.1}, .yaw = 2};
+  const Transform X_WO = scenario.robot.pose.Matrix();
+  for (scenario::ObjectSection& object : scenario.objects) {
+    if (object.on != scenario::kGround) continue;
+    const Vector3 p = object.pose.position;
+    object.pose.position = {X_WO[12] + X_WO[0] * p[0] + X_WO[4] * p[1],
+                            X_WO[13] + X_WO[1] * p[0] + X_WO[5] * p[1], p[2]};
+    object.pose.rpy[2] += 2;
+    object.size[2] += 0.1;
+  }
+  test::Performance performance(scenario);
+  performance.Perform();
+  EXPECT_TRUE(performance.succeeded()) << performance.Story();
+  // The plans are drawn in the world: the approach ends above the parcel.
+  const std::vector<record::PlanRecord>& plans = performance.task_result.plans;
+  EXPECT_NEAR(plans.at(0).path.back()[0], plans.at(2).O_T_object[12], 0.01);
+  EXPECT_NEAR(plans.at(0).path.back()[1], plans.at(2).O_T_object[13], 0.01);
+}
+
 TEST(PickAndPlaceTest, SaysWhichWayLeadsNowhere) {
   scenario::Scenario scenario = Shipped();
   scenario.objects[1].pose.position[0] = 1.3;

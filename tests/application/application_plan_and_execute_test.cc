@@ -83,5 +83,12 @@ TEST(ApplicationTest, AnUnknownOneIsRefusedByPlaceAndThoseThereAreNamed) {
   }
 }
 
+TEST(ApplicationTest, RefusesAnArmThatStandsElsewhereWhereItDoesNotMind) {
+  scenario::Scenario scenario = scenario::Load(test::FileOf("plan_and_execute"));
+  scenario.robot.pose.yaw = 1;
+  EXPECT_THAT([&] { (void)Make(scenario); }, testing::ThrowsMessage<InputError>(HasSubstr(
+                                                 "robot.pose: the application plan_and_execute")));
+}
+
 }  // namespace
 }  // namespace twin::application::application_plan_and_execute_test

@@ -339,6 +339,36 @@ TEST(CollisionWorldTest, KnowsPairsThatTheSceneLists) {
   EXPECT_EQ(NamesOf(listed.Touches(kReady)), (NamePairs{{"ball", "panda_hand"}}));
 }
 
+/// Face to face, 1.1 m apart.
+std::vector<plant::MujocoPlantOptions> Facing() {
+  std::vector<plant::MujocoPlantOptions> arms(2, Options("floor.xml"));
+  arms[0].prefix = "left/";
+  arms[1].prefix = "right/";
+  arms[1].pose = {.position = {1.1, 0, 0}, .yaw = M_PI};
+  return arms;
+}
+
+TEST(CollisionWorldTest, TakesAnotherArmForAnObstacleWhereItIsPut) {
+  CollisionWorld world(Facing(), 0);
+  const JointVector ahead = Reaching(Down(0.55, 0, 0.4));
+  world.PlaceArm(1, kReady, 0.08);
+  EXPECT_TRUE(world.IsFree(ahead));
+  world.PlaceArm(1, ahead, 0.08);  // the same place
+  const NamePairs touching = NamesOf(world.Touches(ahead));
+  EXPECT_TRUE(touching.contains({"left/panda_hand", "right/panda_hand"}));
+  EXPECT_TRUE(world.IsFree(kReady)) << "the own arm moves, not the other one";
+  EXPECT_THAT(MessageOf<InputError>([&] { world.PlaceArm(1, ahead, 0.09); }),
+              HasSubstr("another arm"));
+}
+
+TEST(CollisionWorldTest, MovesTheArmThatIsItsOwn) {
+  CollisionWorld world(Facing(), 1);
+  world.PlaceArm(0, kReady, 0.08);
+  ASSERT_TRUE(world.IsFree(kReady));
+  // A yaw of pi: from x = 1.1 m back by what the arm reaches ahead.
+  EXPECT_NEAR(world.PoseOf("right/panda_hand")[12], 1.1 - FlangeAt(kReady)[12], 1e-6);
+}
+
 TEST(CollisionWorldTest, RefusesWhatItDoesNotKnow) {
   CollisionWorld world(Options("clutter.xml"));
   EXPECT_THAT(MessageOf<InputError>([&] { world.Allow("table", "tabel"); }),

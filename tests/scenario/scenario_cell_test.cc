@@ -122,6 +122,21 @@ TEST(ScenarioCellTest, WritesWhatItReads) {
   }
 }
 
+TEST(ScenarioCellTest, TakesAnApplicationInPlaceOfAMotion) {
+  const std::string text = With(
+      "    motion: *motion\n",
+      "    robot: {q_start: {unit: rad, values: [0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]}}\n"
+      "    application: {type: wave, parameters: {to: right}}\n");
+  const Cell cell = Read(text);
+  ASSERT_TRUE(cell.robots[0].scenario.application);
+  EXPECT_EQ(cell.robots[0].scenario.application->type, "wave");
+  EXPECT_FALSE(cell.robots[1].scenario.application);
+  const Cell again = ParseCell(ToYaml(cell), "again.yaml");
+  EXPECT_EQ(again.robots[0].scenario, cell.robots[0].scenario);
+  EXPECT_THAT(MessageOf(With("render:", "application: {type: wave}\nrender:")),
+              HasSubstr("cell.yaml:22: application: beside robots"));
+}
+
 TEST(ScenarioCellTest, RefusesWhatIsWrongWhereItStands) {
   EXPECT_THAT(MessageOf(With("  left:\n", "  right:\n")),
               HasSubstr("cell.yaml:17: robots.right: given twice"));
@@ -158,16 +173,6 @@ TEST(ScenarioCellTest, IsRefusedWhereOneRobotIsWanted) {
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), HasSubstr("cell.yaml:6: robots: several robots"));
   }
-}
-
-TEST(ScenarioPoseTest, GoesWithAMotionOnly) {
-  const std::string text = R"(name: one
-robot:
-  pose: {position: [1 m, 2 m, 0 m], yaw: 30 deg}
-  q_start: {unit: deg, values: [0, -45, 0, -135, 0, 90, 45]}
-application: {type: whatever}
-)";
-  EXPECT_THROW((void)Parse(text, "one.yaml"), InputError);
 }
 
 }  // namespace

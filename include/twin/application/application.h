@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "twin/application/partners.h"
 #include "twin/core/clock.h"
 #include "twin/core/joint_vector.h"
 #include "twin/core/time.h"
@@ -28,6 +29,7 @@ struct Evidence {
   std::filesystem::path log;                      ///< empty: none
   const plant::ContactWatch* contacts = nullptr;  ///< null: this process simulates nothing
   run::SessionResult session{};
+  std::string prefix{};  ///< of the names of the robot's bodies, as TruthProbe::prefix()
 
   /// The motion of a body; nullopt when it is not simulated or not watched.
   [[nodiscard]] std::optional<plant::ObjectTrack> TrackOf(std::string_view body) const;
@@ -131,12 +133,15 @@ struct Stage {
   const run::RunFiles& files;
   const Clock& clock;  ///< wall clock, only to measure how long planning takes
   const teleop::DeviceRegistry* devices = nullptr;  ///< of operators; null: there are none
+  const Partners* partners = nullptr;               ///< other robots; null: the robot is alone
   std::function<void(std::string_view)> tell{};  ///< receives one log line per event; may be empty
   TaskResult result{};                           ///< of the task, filled by the application
 
   /// End effector in the flange, as configured in the robot.
   [[nodiscard]] Transform F_T_EE() const;
-  /// A world to plan in: the scenario's scene and robot. @throws as planning::CollisionWorld.
+  /// A world to plan in: the scenario's scene and robot; of several robots the others, too, where
+  /// they start (CollisionWorld::PlaceArm, by their indices in Partners::robots()).
+  /// @throws as planning::CollisionWorld.
   [[nodiscard]] std::unique_ptr<planning::CollisionWorld> MakeWorld() const;
   /// Runs application::Carry() on the session's time, into `result`; reports each attempt to `tell`
   /// and the log.
@@ -155,6 +160,10 @@ class Application {
   /// Checks a scenario before any connection is made.
   /// @throws InputError naming what is missing, with file and line.
   virtual void Require(const scenario::Scenario& /*scenario*/) const {}
+  /// Checks the robots beside its own. @param partners  null: the robot is alone.
+  /// @throws InputError, as Require().
+  virtual void RequirePartners(const scenario::Scenario& /*scenario*/,
+                               const Partners* /*partners*/) const {}
   /// Upper bound of the duration, robot's time; the video ends there.
   [[nodiscard]] virtual Duration longest(const scenario::Scenario& scenario) const = 0;
 
@@ -168,8 +177,10 @@ class Application {
 };
 
 /// The application that a scenario names, with its parameters. @pre scenario.application.
-/// @throws InputError for an unknown name or an invalid parameter, with file and line.
-[[nodiscard]] std::unique_ptr<Application> Make(const scenario::Scenario& scenario);
+/// @param partners  as Stage's. @throws InputError for an unknown name or an invalid parameter,
+/// with file and line.
+[[nodiscard]] std::unique_ptr<Application> Make(const scenario::Scenario& scenario,
+                                                const Partners* partners = nullptr);
 
 /// Path of the end effector for a picture, base frame, m: its first point, then each at least 2 cm
 /// from the last; wider apart where they exceed render::Ghost::kMostPoints. Threads: any.
@@ -185,12 +196,12 @@ class Application {
 /// Threads: one thread.
 class ApplicationRun {
  public:
-  /// Connects the robot. @param sink, settings  as run::Run's. @param clock  as Stage::clock.
+  /// Connects the robot. @param sink, settings  as run::Run's. @param clock, partners  as Stage's.
   /// All references must outlive this.
   /// @throws InputError for a scenario without an application, and as Make() and run::Session.
   ApplicationRun(const scenario::Scenario& scenario, const run::Catalogue& catalogue,
                  const run::RunFiles& files, record::RecordSink* sink, const Clock& clock,
-                 const run::RealtimeConfig& settings = {});
+                 const run::RealtimeConfig& settings = {}, const Partners* partners = nullptr);
 
   [[nodiscard]] const backend::Connection& connection() const { return session_.connection(); }
   [[nodiscard]] const scenario::RobotData& robot() const { return session_.robot(); }

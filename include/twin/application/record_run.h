@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "twin/application/partners.h"
 #include "twin/page/live_page.h"
 #include "twin/run/catalogue.h"
 #include "twin/run/console.h"
@@ -62,6 +63,7 @@ struct RunInputs {
   const run::RunFiles& files;
   const run::Catalogue& catalogue;
   run::Console& console;
+  const Partners* partners = nullptr;  ///< other robots of its cell; null: the robot is alone
 };
 
 /// Runs a scenario's motion or application and writes its results. With check_only it prints the

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 
+#include "twin/application/partners.h"
 #include "twin/run/catalogue.h"
 #include "twin/scenario/scenario.h"
 
@@ -17,10 +18,12 @@ enum class LibraryCheck : std::uint8_t { kNotLoaded, kLoaded };
 ///
 /// Threads: one thread. A motion that is planned is planned here too. @param file  of the
 /// scenario, for messages. @returns what was checked, a line each.
+/// @param partners  other robots of its cell; null: the robot is alone.
 /// @throws as run::Run, ApplicationRun, replay::CheckPicture and run::RequireFree.
 [[nodiscard]] std::string Validate(const scenario::Scenario& scenario,
                                    const std::filesystem::path& file,
                                    const run::Catalogue& catalogue, const run::RunFiles& files,
-                                   LibraryCheck library = LibraryCheck::kNotLoaded);
+                                   LibraryCheck library = LibraryCheck::kNotLoaded,
+                                   const Partners* partners = nullptr);
 
 }  // namespace twin::application

@@ -61,6 +61,11 @@ class CollisionWorld {
   /// @param options  of the plant; options without effect on bodies are ignored.
   /// @throws InputError and EnvironmentError as plant::CompileModel().
   explicit CollisionWorld(const plant::MujocoPlantOptions& options);
+  /// One arm among others, which are obstacles that do not move by themselves. Their parts have
+  /// their prefixes in front: "left/panda_hand". Until PlaceArm() they stand with zero joints.
+  /// @param arms  as plant::SharedModel::Create's, or one alone. @param own  index of the arm that
+  /// moves.
+  CollisionWorld(std::span<const plant::MujocoPlantOptions> arms, std::size_t own);
   ~CollisionWorld();
   CollisionWorld(const CollisionWorld&) = delete;
   CollisionWorld& operator=(const CollisionWorld&) = delete;
@@ -86,6 +91,11 @@ class CollisionWorld {
   /// @throws InputError listing the movable bodies for another body, and for a pose that is not
   /// rigid.
   void Place(const std::string& body, const Transform& X_WB);
+
+  /// Puts another arm somewhere. @param arm  its index among those of the constructor, not the own
+  /// one's. @param q  rad. @param width  between its fingers, m; no effect without a hand.
+  /// @throws InputError if width is not in [0, 0.08] m.
+  void PlaceArm(std::size_t arm, const JointVector& q, double width);
 
   /// Attaches a free body of the scene to the flange. It moves with the arm and is checked against
   /// the robot and the scene, but not against the fingers. Only one body at a time; one attached

@@ -28,6 +28,9 @@ struct CompiledModel {
 /// seed, perturbations, friction law, delay).
 /// @throws InputError and EnvironmentError as MujocoPlant::Create().
 [[nodiscard]] CompiledModel CompileModel(const MujocoPlantOptions& options);
+/// The arms of a model of several (SharedModel), each with its own joints in the one model.
+/// @param arms  as SharedModel::Create's, or one alone.
+[[nodiscard]] std::vector<CompiledModel> CompileModels(std::span<const MujocoPlantOptions> arms);
 
 /// @returns generalised positions after a plant's Reset(q): the arm at q (rad), the hand open, a
 /// mobile base at its start, everything else as in the scene.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "twin/backend/registry.h"
@@ -33,7 +34,7 @@ struct Island {
 
 /// The plants of some robots, for one model. @throws as MakeRobotConfig.
 [[nodiscard]] std::vector<plant::MujocoPlantOptions> PlantsOf(
-    const std::vector<scenario::CellRobot>& robots, const RunFiles& files);
+    std::span<const scenario::CellRobot> robots, const RunFiles& files);
 
 /// The backend of a robot of an island with several, connected to the model they share; it must
 /// outlive the backends that it makes. @param known  the program's.

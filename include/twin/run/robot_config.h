@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
+#include <span>
 
 #include "twin/planning/collision_world.h"
 #include "twin/robot/robot_config.h"
@@ -28,5 +30,9 @@ namespace twin::run {
 [[nodiscard]] std::unique_ptr<planning::CollisionWorld> MakeWorld(
     const scenario::Scenario& scenario, const scenario::RobotData& robot,
     const plant::MujocoPlantOptions& options);
+/// The same among other arms. @param arms, own  as planning::CollisionWorld's.
+[[nodiscard]] std::unique_ptr<planning::CollisionWorld> MakeWorld(
+    const scenario::Scenario& scenario, const scenario::RobotData& robot,
+    std::span<const plant::MujocoPlantOptions> arms, std::size_t own);
 
 }  // namespace twin::run

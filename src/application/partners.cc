@@ -1,0 +1,54 @@
+#include "twin/application/partners.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace twin::application {
+
+MessageBoard::MessageBoard(std::span<const scenario::CellRobot> robots)
+    : robots_(robots), seats_(robots.size()) {}
+
+void MessageBoard::Say(std::size_t robot, Message message) {
+  seats_[robot].said.push_back(std::move(message));
+}
+
+const Message* MessageBoard::Heard(std::size_t robot, std::string_view word, Time now) const {
+  const std::vector<Message>& said = seats_[robot].said;
+  const auto last = std::find_if(said.rbegin(), said.rend(), [&](const Message& message) {
+    return message.word == word && message.at < now;
+  });
+  return last == said.rend() ? nullptr : &*last;
+}
+
+void MessageBoard::End(std::size_t robot, std::string failure) {
+  std::optional<std::string>& end = seats_[robot].end;
+  if (!end) end = std::move(failure);
+}
+
+const std::string* MessageBoard::EndOf(std::size_t robot, Time now) const {
+  const Seat& seat = seats_[robot];
+  const bool is_heard = seat.said.empty() || seat.said.back().at < now;
+  return seat.end && is_heard ? &*seat.end : nullptr;
+}
+
+std::optional<std::size_t> Partners::Find(std::string_view name) const {
+  for (std::size_t i = 0; i < robots().size(); ++i) {
+    if (i != own_ && robots()[i].name == name) return i;
+  }
+  return std::nullopt;
+}
+
+JointVector Partners::StartOf(std::size_t robot) const {
+  const scenario::Scenario& scenario = robots()[robot].scenario;
+  return scenario.robot.q_start ? *scenario.robot.q_start : scenario.motion.waypoints.at(0).q;
+}
+
+std::string Partners::Names() const {
+  std::string names;
+  for (std::size_t i = 0; i < robots().size(); ++i) {
+    if (i != own_) names += (names.empty() ? "" : ", ") + robots()[i].name;
+  }
+  return names.empty() ? "none" : names;
+}
+
+}  // namespace twin::application
