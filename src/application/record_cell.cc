@@ -1,5 +1,6 @@
 #include "twin/application/record_cell.h"
 
+#include <algorithm>
 #include <deque>
 #include <exception>
 #include <fstream>
@@ -226,6 +227,7 @@ void CellRecorder::TakeTimesOfRobots() {
     times_.prepare_s += prepare_s;
     times_.plots_s += plots_s;
     times_.run_s -= prepare_s + plots_s;
+    times_.peak_memory_mb = std::max(times_.peak_memory_mb, own.value("peak_memory_mb", 0.0));
   }
 }
 
