@@ -8,8 +8,6 @@
 namespace twin::test {
 namespace {
 
-constexpr double kT = kCycleSeconds;
-
 /// Rows r, columns c.
 using Rotation = std::array<std::array<double, 3>, 3>;
 

@@ -13,7 +13,6 @@
 namespace twin::test {
 namespace {
 
-constexpr double kT = kCycleSeconds;
 constexpr double kTolerance = 1e-9;
 
 // Rounding of positions of a few radians or metres, and of their difference quotients.

@@ -9,8 +9,6 @@
 namespace twin::test {
 namespace {
 
-constexpr double kT = kCycleSeconds;
-
 /// Rounding of positions of a few radians or metres in their difference quotients.
 constexpr double kVelocityNoise = 4e-12;
 constexpr double kAccelerationNoise = 4e-9;

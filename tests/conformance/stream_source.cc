@@ -10,8 +10,6 @@
 namespace twin::test {
 namespace {
 
-constexpr double kT = kCycleSeconds;
-
 template <std::size_t N>
 double Length(const std::array<double, N>& v) {
   double sum = 0;

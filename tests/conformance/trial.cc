@@ -6,8 +6,6 @@
 namespace twin::test {
 namespace {
 
-constexpr double kT = kCycleSeconds;
-
 double MinimumJerk(double x) {
   return x * x * x * (10 + x * (-15 + 6 * x));
 }
