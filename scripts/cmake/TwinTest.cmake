@@ -40,7 +40,7 @@ if(TWIN_BUILD_TESTS)
   add_custom_target(stress_tests)
   add_custom_target(memory_tests)
 endif()
-set(TWIN_MEMORY_FOLDERS support core rt record fci onboard plant robot server proxy backend control loop teleop scenario contract
+set(TWIN_MEMORY_FOLDERS support core rt record fci onboard plant robot server proxy backend control loop teleop contract
     devices fuzz)
 
 function(twin_add_test name)

@@ -3,6 +3,8 @@
 //   int_share    INT alone (cycle and state), no plant, its slowest mode    at most 0.4
 //   cycle_share  tick + link + INT + plant + state, in lockstep    at most 1.6
 //   record_share the same with every cycle and tick recorded, over cycle_share    at most 1.2
+//   pair_share   an arm's cycle beside another arm in one model, over its cycle alone    at
+//   most 1.3
 //
 // The repetitions are interleaved, the shares are of their medians. Exits with 1 when
 // a share is too large: absolute times of a shared machine say little, ratios hold.
@@ -15,6 +17,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <deque>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -27,7 +30,9 @@
 #include "twin/loop/drive.h"
 #include "twin/onboard/onboard_controller.h"
 #include "twin/plant/mujoco_plant.h"
+#include "twin/plant/shared_model.h"
 #include "twin/record/recorder.h"
+#include "twin/rt/fiber.h"
 
 namespace twin {
 namespace {
@@ -35,6 +40,7 @@ namespace {
 constexpr double kMaxIntShare = 0.4;
 constexpr double kMaxCycleShare = 1.6;
 constexpr double kMaxRecordShare = 1.2;
+constexpr double kMaxPairShare = 1.3;
 constexpr int kBatch = 1000;
 constexpr JointVector kReady{
     0, -0.785398163397, 0, -2.356194490192, 0, 1.570796326795, 0.785398163397};
@@ -137,13 +143,28 @@ class Hold final : public control::Controller {
   void Deactivate() noexcept override {}
 };
 
+loop::RunReport HoldStill(loop::Drive& drive, record::RecordSink* sink) {
+  Hold hold;
+  return drive.Run({.backend = *drive.connection().backend,
+                    .controller = hold,
+                    .modes = {},
+                    .kind = loop::LoopKind::kAsynchronous,
+                    .tick = {},
+                    .controller_loop = {},
+                    .seed = 1,
+                    .time_limit = std::chrono::seconds(10),
+                    .sink = sink,
+                    .progress = {},
+                    .event = {},
+                    .interrupted = nullptr});
+}
+
 /// Ten simulated seconds; `recorded` writes a log as a run does, its completion included.
 void RunCycles(benchmark::State& state, bool recorded) {
   const robot::RobotConfig robot = Robot();
   const std::filesystem::path log = std::filesystem::temp_directory_path() / "cycle_bench.mcap";
   backend::Registry registry;
   plugins::RegisterMujoco(registry);
-  Hold hold;
   std::int64_t cycles = 0;
   for (auto _ : state) {
     state.PauseTiming();
@@ -154,18 +175,7 @@ void RunCycles(benchmark::State& state, bool recorded) {
     }
     auto drive = loop::MakeLockstepDrive(registry.Find("mujoco"), robot, recorder.get());
     state.ResumeTiming();
-    const loop::RunReport report = drive->Run({.backend = *drive->connection().backend,
-                                               .controller = hold,
-                                               .modes = {},
-                                               .kind = loop::LoopKind::kAsynchronous,
-                                               .tick = {},
-                                               .controller_loop = {},
-                                               .seed = 1,
-                                               .time_limit = std::chrono::seconds(10),
-                                               .sink = recorder.get(),
-                                               .progress = {},
-                                               .event = {},
-                                               .interrupted = nullptr});
+    const loop::RunReport report = HoldStill(*drive, recorder.get());
     if (recorder) static_cast<void>(recorder->Finish());
     cycles += report.simulated / kCycle;
     state.PauseTiming();
@@ -183,10 +193,52 @@ void RecordedCycle(benchmark::State& state) {
   RunCycles(state, true);
 }
 
+/// Two arms of one model within reach of each other, each in a fiber, as `run` runs a cell.
+void PairCycle(benchmark::State& state) {
+  backend::Registry registry;
+  plugins::RegisterMujoco(registry);
+  std::int64_t cycles = 0;  // of both
+  for (auto _ : state) {
+    state.PauseTiming();
+    std::array<robot::RobotConfig, 2> robots{Robot(), Robot()};
+    std::vector<plant::MujocoPlantOptions> plants;
+    for (std::size_t i = 0; i < robots.size(); ++i) {
+      plant::MujocoPlantOptions& plant = robots[i].plant;
+      plant.prefix = i == 0 ? "left/" : "right/";
+      plant.pose = {.position = {0, i == 0 ? 0.6 : -0.6, 0}};
+      plants.push_back(plant);
+    }
+    const auto shared = plant::SharedModel::Create(plants, [] { rt::Fiber::Yield(); });
+    std::vector<std::unique_ptr<loop::Drive>> drives;
+    for (robot::RobotConfig& robot : robots) {
+      robot.plant.shared = shared;
+      drives.push_back(loop::MakeLockstepDrive(registry.Find("mujoco"), robot, nullptr));
+    }
+    std::deque<rt::Fiber> runs;
+    for (std::unique_ptr<loop::Drive>& drive : drives) {
+      runs.emplace_back([&cycles, &drive] {
+        cycles += HoldStill(*drive, nullptr).simulated / kCycle;
+        drive.reset();  // the other goes on without
+      });
+    }
+    state.ResumeTiming();
+    for (bool goes_on = true; goes_on;) {
+      goes_on = false;
+      for (rt::Fiber& run : runs) {
+        if (run.ended()) continue;
+        goes_on = true;
+        run.Resume();
+      }
+    }
+  }
+  state.SetItemsProcessed(cycles);
+}
+
 BENCHMARK(BareMjStep)->UseRealTime();
 BENCHMARK(IntAlone)->DenseRange(0, kModes.size() - 1)->UseRealTime();
 BENCHMARK(WholeCycle)->UseRealTime();
 BENCHMARK(RecordedCycle)->UseRealTime();
+BENCHMARK(PairCycle)->UseRealTime();
 
 /// Prints as usual and keeps the median time per item of each benchmark; of one with several cases
 /// the slowest.
@@ -214,12 +266,14 @@ int Verdict(const MedianReporter& reporter) {
   const double cycle = reporter.seconds_per_item.at("WholeCycle");
   const double cycle_share = cycle / step;
   const double record_share = reporter.seconds_per_item.at("RecordedCycle") / cycle;
+  const double pair_share = reporter.seconds_per_item.at("PairCycle") / cycle;
   std::printf("mj_step      %.2f us\n", step * 1e6);
   std::printf("int_share    %.3f (at most %.1f)\n", int_share, kMaxIntShare);
   std::printf("cycle_share  %.3f (at most %.1f)\n", cycle_share, kMaxCycleShare);
   std::printf("record_share %.3f (at most %.1f)\n", record_share, kMaxRecordShare);
+  std::printf("pair_share   %.3f (at most %.1f)\n", pair_share, kMaxPairShare);
   return int_share <= kMaxIntShare && cycle_share <= kMaxCycleShare &&
-                 record_share <= kMaxRecordShare
+                 record_share <= kMaxRecordShare && pair_share <= kMaxPairShare
              ? 0
              : 1;
 }
