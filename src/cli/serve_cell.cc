@@ -126,6 +126,7 @@ bool CellService::Ends() {
 
 void CellService::End() {
   if (thread_) {
+    for (application::ServedSession& session : sessions_) session.robot().StopServing();
     thread_->Stop();
   } else {
     shared_->Release();

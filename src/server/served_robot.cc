@@ -61,12 +61,14 @@ class ServedRobot::Impl {
     serving_ = std::jthread(
         [this](const std::stop_token& stop) { Serve([&stop] { return stop.stop_requested(); }); });
   }
+  void StopServing() {
+    if (!serving_.joinable()) return;
+    serving_.request_stop();
+    changed_.Notify();
+    serving_.join();
+  }
   void End() {
-    if (serving_.joinable()) {
-      serving_.request_stop();
-      changed_.Notify();
-      serving_.join();
-    }
+    StopServing();
     robot_->End();
   }
 
@@ -195,6 +197,10 @@ void ServedRobot::Serve(const std::function<bool()>& ends) {
 
 void ServedRobot::Start() {
   impl_->Start();
+}
+
+void ServedRobot::StopServing() {
+  impl_->StopServing();
 }
 
 void ServedRobot::End() {

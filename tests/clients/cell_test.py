@@ -18,7 +18,7 @@ import unittest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 import panda_python_test  # noqa: E402: after the path
 import witness  # noqa: E402: found by the path above
-from twin_server import TwinServer  # noqa: E402
+from twin_server import TwinServer, own_address  # noqa: E402
 
 PROGRAM, SOURCE = "", pathlib.Path()
 SPOILT_BY = witness.ENDS_A_MOTION | witness.JUMPS
@@ -49,6 +49,12 @@ class CellTest(unittest.TestCase):
 
     def test_at_the_pace_of_the_wall_clock(self):
         self.lead_both("--pace", "1")
+
+    def test_ends_on_the_wall_clock(self):
+        done = subprocess.run([PROGRAM, "serve", SOURCE / "tests/clients/two_arms.yaml", "--bind", own_address(), "--drive", "realtime",
+                               "--for", "1", "--data", SOURCE / "models"], capture_output=True, text=True, timeout=60)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertNotIn("does not answer", done.stdout)
 
     def test_on_the_wall_clock(self):
         witness.undisturbed(lambda: witness.Witness(PROGRAM), lambda: self.lead_both(drive="realtime"),

@@ -92,6 +92,9 @@ class ServedRobot {
   /// @throws RobotFault as robot::ThreadedRobot's requests.
   void PressUserStop(bool pressed);
 
+  /// Ends what Start() began but the robot's time: for robots that share a thread, which stops with
+  /// the first that ends. Without Start() it does nothing.
+  void StopServing();
   /// Closes connections and stops the robot; after return no record is put. Idempotent.
   void End();
 
