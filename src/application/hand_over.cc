@@ -274,8 +274,7 @@ StepEnd HandOver::AwaitOffer() {
 
 StepEnd HandOver::Take() {
   steps_.Bear();
-  const JointVector q = stage_->session.ReadState().q;
-  Say(kTaken, q);
+  Say(kTaken, stage_->session.ReadState().q);
   return {};
 }
 
@@ -323,11 +322,10 @@ void HandOver::Say(const char* word, const JointVector& q_to) {
                   .q = state.q,
                   .width = steps_.hand_state().width,
                   .q_to = q_to,
-                  .object = parameters_.handling.object,
                   .X_WB = steps_.ObjectAt(state.O_T_EE),
                   .B_hand = {B_T_NE[12], B_T_NE[13], B_T_NE[14]}};
-  stage_->session.Tell(
-      "message", fmt::format("{} to {}: {} {}", name(), parameters_.partner, message.object, word));
+  stage_->session.Tell("message", fmt::format("{} to {}: {} {}", name(), parameters_.partner,
+                                              parameters_.handling.object, word));
   stage_->partners->Say(std::move(message));
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "twin/run/robot_config.h"
+
 namespace twin::application {
 
 MessageBoard::MessageBoard(std::span<const scenario::CellRobot> robots)
@@ -39,8 +41,7 @@ std::optional<std::size_t> Partners::Find(std::string_view name) const {
 }
 
 JointVector Partners::StartOf(std::size_t robot) const {
-  const scenario::Scenario& scenario = robots()[robot].scenario;
-  return scenario.robot.q_start ? *scenario.robot.q_start : scenario.motion.waypoints.at(0).q;
+  return run::StartOf(robots()[robot].scenario);
 }
 
 std::string Partners::Names() const {

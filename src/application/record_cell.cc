@@ -40,6 +40,13 @@ std::string NamesOf(const run::Island& island) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
+/// A file that a robot's run has written; an empty object where it ended before.
+Json ReadResult(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  Json result = Json::parse(file, nullptr, false);
+  return result.is_object() ? result : Json::object();
+}
+
 /// What a robot's run says, with the robot's name.
 class RobotConsole final : public run::Console {
  public:
@@ -219,9 +226,7 @@ void CellRecorder::RunIsland(const run::Island& island) {
 
 void CellRecorder::TakeTimesOfRobots() {
   for (const RobotEnd& end : ends_) {
-    std::ifstream file(run::ResultFolder(out_.folder() / end.name).timing());
-    const Json own = Json::parse(file, nullptr, false);
-    if (!own.is_object()) continue;  // it ended before
+    const Json own = ReadResult(run::ResultFolder(out_.folder() / end.name).timing());
     const double prepare_s = own.value("prepare_s", 0.0);
     const double plots_s = own.value("plots_s", 0.0);
     times_.prepare_s += prepare_s;
@@ -237,13 +242,12 @@ Json CellRecorder::Summary() const {
   double longest = 0;
   for (const RobotEnd& end : ends_) {
     succeeded = succeeded && end.failure.empty();
-    std::ifstream file(run::ResultFolder(out_.folder() / end.name).summary());
-    const Json own = Json::parse(file, nullptr, false);
+    const Json own = ReadResult(run::ResultFolder(out_.folder() / end.name).summary());
     Json& robot = robots[end.name];
     robot = {{"folder", end.name}, {"shares_a_model", end.shares_with}};
     for (const char* key :
          {"outcome", "failure", "violations", "simulated_s", "contacts", "states_hash"}) {
-      if (own.is_object() && own.contains(key)) robot[key] = own[key];
+      if (own.contains(key)) robot[key] = own[key];
     }
     longest = std::max(longest, robot.value("simulated_s", 0.0));
   }

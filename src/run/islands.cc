@@ -194,7 +194,7 @@ void RequireApartAtStart(const scenario::Cell& cell, const RunFiles& files) {
   const std::vector<plant::MujocoPlantOptions> plants = PlantsOf(cell.robots, files);
   std::vector<JointVector> starts;
   for (const scenario::CellRobot& robot : cell.robots) {
-    starts.push_back(ConfigOf(robot, files).q_start);
+    starts.push_back(StartOf(robot.scenario));
   }
   const auto overlap = plant::ArmsOverlap(plants, starts);
   if (!overlap) return;

@@ -225,6 +225,10 @@ MotionModes ModesOf(const scenario::MotionSection& motion) {
   return {};
 }
 
+JointVector StartOf(const scenario::Scenario& scenario) {
+  return scenario.robot.q_start ? *scenario.robot.q_start : scenario.motion.waypoints.front().q;
+}
+
 robot::RobotConfig MakeRobotConfig(const scenario::Scenario& scenario,
                                    const scenario::RobotData& robot, const RunFiles& files) {
   robot::RobotConfig config;
@@ -240,8 +244,7 @@ robot::RobotConfig MakeRobotConfig(const scenario::Scenario& scenario,
     config.base = base.config;
   }
   config.link = scenario::MakeLink(scenario.link);
-  config.q_start =
-      scenario.robot.q_start ? *scenario.robot.q_start : scenario.motion.waypoints.front().q;
+  config.q_start = StartOf(scenario);
   RequireStartWithinLimits(scenario, robot, config.q_start);
   config.panel = scenario.panel;
   config.clock_ppm = scenario.robot.clock_drift_ppm;

@@ -17,12 +17,11 @@ namespace twin::application {
 /// What an application tells those of the other robots, measured or planned by itself: nothing that
 /// a robot's program could not send over a network.
 struct Message {
-  std::string word;    ///< "offered"
-  Time at{};           ///< robot's time when it is said
-  JointVector q{};     ///< of the arm that says it, rad
-  double width = 0;    ///< between its fingers, m
-  JointVector q_to{};  ///< where it will be when it has made room, rad
-  std::string object{};
+  std::string word;                     ///< "offered"
+  Time at{};                            ///< robot's time when it is said
+  JointVector q{};                      ///< of the arm that says it, rad
+  double width = 0;                     ///< between its fingers, m
+  JointVector q_to{};                   ///< where it will be when it has made room, rad
   Transform X_WB = kIdentityTransform;  ///< of the object, in the world
   Vector3 B_hand{};                     ///< between its fingertips, in the object's frame, m
 };

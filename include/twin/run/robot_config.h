@@ -12,6 +12,9 @@
 
 namespace twin::run {
 
+/// Where the arm begins, rad: robot.q_start, else the motion's first waypoint. @pre there is one.
+[[nodiscard]] JointVector StartOf(const scenario::Scenario& scenario);
+
 /// The robot's configuration that a scenario asks for.
 /// @throws InputError when a field is out of range; model::LimitBreach for a start outside the
 /// scenario's limits.
