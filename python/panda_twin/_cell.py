@@ -7,9 +7,9 @@ import pathlib
 import threading
 import typing
 from collections.abc import Callable, Iterator, Mapping
-from types import TracebackType
 
 from . import _core
+from ._closing import Closing
 from ._robot import Robot
 from .scenario import RobotLike, as_cell, checked_seed
 
@@ -37,7 +37,7 @@ class Robots(Mapping[str, Robot]):
         return f"Robots({list(self)})"
 
 
-class Cell:
+class Cell(Closing):
     """Several robots in one scene, in this process and in lockstep: a scenario with the key `robots`.
 
     Each robot has the methods of a `Session`, but for `reset`, `snapshot` and `restore`. All have one
@@ -83,17 +83,6 @@ class Cell:
         path = None if log is None else pathlib.Path(log)
         self._cell = _core.TwinCell(text, file, checked_seed(seed), path)
         self.robots: typing.Final = Robots({name: Robot(self._cell.robot(i), name) for i, name in enumerate(self._cell.names)})
-
-    def __enter__(self) -> typing.Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def __repr__(self) -> str:
         return f"Cell({self._cell.name!r}, {list(self.robots)}{', closed' if self.closed else ''})"

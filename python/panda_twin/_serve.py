@@ -9,16 +9,16 @@ import json
 import os
 import pathlib
 import socket
-import types
 import warnings
 import weakref
 from collections.abc import Sequence
-from typing import Any, Literal, Self, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core
+from ._closing import Closing
 from .scenario import RobotLike, as_robot, checked_seed
 
 _Path: TypeAlias = str | os.PathLike[str]
@@ -173,7 +173,7 @@ class _Controlled(abc.ABC):
         return self._do("recover")
 
 
-class ServedRobot(_Controlled):
+class ServedRobot(_Controlled, Closing):
     """A robot that this process serves; made by `serve`.
 
     Its threads are the robot's own and never take the GIL: programs of the same process can use the robot, whatever they hold
@@ -222,13 +222,6 @@ class ServedRobot(_Controlled):
         self._finalizer.detach()
         for text in self._served.close():
             warnings.warn(text, RuntimeWarning, stacklevel=2)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None,
-                 trace: types.TracebackType | None) -> None:
-        self.close()
 
     def __repr__(self) -> str:
         state = "closed" if self.closed else f"drive {self.drive}"

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import os
 import pathlib
-from types import TracebackType
-from typing import Self
 
 from . import _core
+from ._closing import Closing
 from ._robot import Robot
 from .scenario import RobotLike, as_robot, checked_seed
 
 
-class Session(Robot):
+class Session(Robot, Closing):
     """A twin in this process, on which motions follow each other in simulated time.
 
     Time stands still between two calls, and the same scenario, seed and calls give the same bits. The
@@ -60,17 +59,6 @@ class Session(Robot):
         path = None if log is None else pathlib.Path(log)
         twin = _core.TwinSession(text, file, checked_seed(seed), lab, path)
         super().__init__(twin, twin.name)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def close(self) -> None:
         """End the session and complete its log. Once is enough; `with` does it."""
