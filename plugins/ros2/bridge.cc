@@ -78,7 +78,7 @@ class Bridge::Impl {
   Node node_;
   std::unique_ptr<Publisher<msg::JointState>> joint_states_;
   std::unique_ptr<Publisher<msg::JointState>> robot_joint_states_;
-  std::unique_ptr<Publisher<msg::Clock>> clock_topic_;
+  std::unique_ptr<Publisher<msg::Clock>> clock_topic_;  ///< null: another robot's bridge has it
   std::unique_ptr<Publisher<msg::String>> description_;
   std::mutex hand_mutex_;  ///< guards the next
   std::shared_ptr<plugins::FciHand> kept_hand_;
@@ -111,7 +111,7 @@ Bridge::Impl::Impl(const BridgeOptions& options, BridgedRobot robot, StateTap& t
       follows_calendar_(robot_.follows_wall_clock) {
   joint_states_ = node_.Advertise<msg::JointState>("joint_states", {});
   robot_joint_states_ = node_.Advertise<msg::JointState>("robot_joint_states", {.depth = 1});
-  clock_topic_ = node_.Advertise<msg::Clock>("/clock", {.depth = 1});
+  if (options_.has_clock) clock_topic_ = node_.Advertise<msg::Clock>("/clock", {.depth = 1});
   description_ =
       node_.Advertise<msg::String>("robot_description", {.is_latched = true, .depth = 1});
   const bool has_hand = robot_.client.robot.hand == plant::HandKind::kFrankaHand;
@@ -293,7 +293,7 @@ void Bridge::Impl::Take(const record::CycleRecord& record) {
     joint_states_->Publish(joints);
   }
   franka_topics_->Publish(record.state, stamp, names_);
-  if (clock_topic_->has_readers()) clock_topic_->Publish({.clock = stamp});
+  if (clock_topic_ && clock_topic_->has_readers()) clock_topic_->Publish({.clock = stamp});
 }
 
 void Bridge::Impl::Run(const std::stop_token& stop) {

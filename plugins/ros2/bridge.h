@@ -25,7 +25,8 @@ struct BridgeOptions {
   /// Time stands until robot_joint_states, of this rate, in [1, 1000] Hz, are answered; absent: it
   /// passes.
   std::optional<double> lockstep_hz{};
-  bool arms = false;  ///< robot_joint_commands is armed from the start
+  bool has_clock = true;  ///< publishes /clock
+  bool arms = false;      ///< robot_joint_commands is armed from the start
   std::string joint_prefix = "panda_joint";
   std::string finger_prefix = "panda_finger_joint";
   std::string arm_action = "panda_arm_controller/follow_joint_trajectory";

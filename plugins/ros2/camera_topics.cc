@@ -57,8 +57,8 @@ Transform OpticalFrameOf(Transform X_WC) {
 }  // namespace
 
 struct CameraTopics::Topics {
-  Topics(Node& node, const std::string& camera)
-      : frame(fmt::format("camera_{}_optical_frame", camera)),
+  Topics(Node& node, const std::string& frame_prefix, const std::string& camera)
+      : frame(fmt::format("{}camera_{}_optical_frame", frame_prefix, camera)),
         image(node.Advertise<msg::Image>("camera/" + camera + "/image_raw", kPictures)),
         compressed(node.Advertise<msg::CompressedImage>(
             "camera/" + camera + "/image_raw/compressed", kPictures)),
@@ -84,7 +84,7 @@ CameraTopics::CameraTopics(Node& node, Cameras cameras, std::function<msg::Time(
       tf_(node.Advertise<msg::TFMessage>("/tf", {.depth = 100})),
       encoder_(kQuality) {
   for (const std::string& name : cameras_.names) {
-    topics_.push_back(std::make_unique<Topics>(node, name));
+    topics_.push_back(std::make_unique<Topics>(node, cameras_.frame_prefix, name));
   }
   thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
 }

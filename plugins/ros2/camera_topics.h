@@ -26,7 +26,8 @@ struct Picture {
 /// Cameras of a simulated robot.
 struct Cameras {
   std::vector<std::string> names;
-  double rate_hz = 10;  ///< at most
+  std::string frame_prefix{};  ///< of the frames' names
+  double rate_hz = 10;         ///< at most
   /// Draws what the camera of this number sees now; absent: nothing is there to be seen yet. Of the
   /// cameras' thread. @throws Error when it cannot draw.
   std::function<std::optional<Picture>(std::size_t camera, bool with_depth)> paint;
@@ -34,8 +35,8 @@ struct Cameras {
 
 /// The pictures of cameras, as drivers of real ones publish them, best effort: below camera/NAME
 /// image_raw, image_raw/compressed (JPEG), depth/image_raw (32FC1, m) and camera_info; and the
-/// frame camera_NAME_optical_frame (x right, y down, z ahead) in `world` on /tf. What nobody reads
-/// is not drawn.
+/// frame PREFIXcamera_NAME_optical_frame (x right, y down, z ahead) in `world` on /tf. What nobody
+/// reads is not drawn.
 ///
 /// Threads: one; its own, which yields to all others.
 class CameraTopics {

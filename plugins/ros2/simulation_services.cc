@@ -232,7 +232,7 @@ SimulationServices::Bodies SimulationServices::BodiesNow() const {
 
 void SimulationServices::PublishBodies() {
   Bodies bodies = simulation_.bodies ? simulation_.bodies() : Bodies();
-  if (tf_->has_readers() && !bodies.empty()) {
+  if (simulation_.puts_bodies_on_tf && tf_->has_readers() && !bodies.empty()) {
     msg::TFMessage message;
     for (const auto& [name, X_WB] : bodies) {
       message.transforms.push_back(FrameInWorld(name, X_WB, now_()));

@@ -26,6 +26,7 @@ struct Simulation {
   std::function<std::uint64_t()> cycles_left{};  ///< of steps; as is_paused
   /// Names and poses (X_WB) of the scene's free bodies. Of the publishing thread.
   std::function<std::vector<std::pair<std::string, Transform>>()> bodies;
+  bool puts_bodies_on_tf = true;
 };
 
 /// simulation_interfaces, by which Gazebo and Isaac Sim are steered too: features, pause, steps,

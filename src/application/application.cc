@@ -45,7 +45,10 @@ constexpr std::array<Entry, 5> kApplications{{
      .first_interface = control::CommandInterface::kJointPosition,
      .stands_anywhere = true},
     {.name = "plan_and_execute", .make = MakePlanAndExecute},
-    {.name = "teleoperation", .make = MakeTeleoperation, .drives_base = true},
+    {.name = "teleoperation",
+     .make = MakeTeleoperation,
+     .drives_base = true,
+     .stands_anywhere = true},
 }};
 
 /// "<file>:<line>: " when the name was read from there.

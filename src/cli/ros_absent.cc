@@ -20,6 +20,10 @@ void RequireRosFlags(const RosFlags& flags) {
       "libtinyxml2-dev (scripts/setup does), and build again");
 }
 
+RosFlags RosOf(const RosFlags& flags, const std::string& /*robot*/, bool /*has_scene*/) {
+  return flags;
+}
+
 std::unique_ptr<RosBridge> MakeRosBridge(const RosFlags& /*flags*/, record::RecordSink* /*next*/) {
   return nullptr;
 }

@@ -1,5 +1,6 @@
 #include "cli/ros_flags.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <optional>
 #include <string>
@@ -47,6 +48,7 @@ ros2::BridgeOptions OptionsOf(const RosFlags& flags, const RosBridge::Tell& tell
   options.node.tell = tell;
   options.rate_hz = flags.rate_hz;
   options.lockstep_hz = flags.lockstep_hz;
+  options.has_clock = flags.has_scene;
   options.arms = flags.arms;
   return options;
 }
@@ -60,6 +62,7 @@ class FastRosBridge final : public RosBridge {
 
   void Watch(application::ServedSession& session) override {
     truth_ = session.robot().truth();
+    if (truth_ != nullptr) truth_ = &truth_->whole();
     if (truth_ != nullptr && !run::RunRecords::CanFilm(*truth_)) truth_ = nullptr;
     if (truth_ != nullptr) feed_.Show(*truth_);
   }
@@ -77,10 +80,12 @@ class FastRosBridge final : public RosBridge {
         .follows_wall_clock = !session.drive().is_lockstep() || session.drive().pace == 1.0};
     if (hand) bridged.hand = [&robot] { return robot.robot().hand_state(); };
     bridged.simulation.emplace(ros2::Simulation{
-        .robot =
-            server::ControlledRobot(robot, session.reset() != application::ResetPolicy::kNever),
-        .bodies = [this] { return Bodies(); }});
-    if (robot::AnswerPacedRobot* const lockstep = robot.lockstep()) {
+        .robot = server::ControlledRobot(robot, session.reset() != application::ResetPolicy::kNever,
+                                         flags_.robot.empty()),
+        .bodies = [this] { return Bodies(); },
+        .puts_bodies_on_tf = flags_.has_scene});
+    robot::AnswerPacedRobot* const lockstep = robot.lockstep();
+    if (lockstep != nullptr && flags_.robot.empty()) {
       bridged.simulation->is_paused = [lockstep] { return lockstep->cycles_left().has_value(); };
       bridged.simulation->cycles_left = [lockstep] { return lockstep->cycles_left().value_or(0); };
     }
@@ -116,9 +121,11 @@ class FastRosBridge final : public RosBridge {
   ros2::Cameras MakeCameras(const scenario::Scenario& scenario) {
     render::View hand;
     hand.kind = render::ViewKind::kGripper;
+    hand.name = truth_->prefix();
     views_ = {run::FilmOf(scenario.render).view, hand};
     painters_.resize(views_.size());
     return {.names = {"overview", "hand"},
+            .frame_prefix = truth_->prefix(),
             .paint = [this](std::size_t camera, bool with_depth) -> std::optional<ros2::Picture> {
               static_cast<void>(feed_.scene().Refresh());
               if (!feed_.scene().has_value()) return std::nullopt;
@@ -190,6 +197,16 @@ void RequireRosFlags(const RosFlags& flags) {
                 flags.distro != usual.distro || flags.rate_hz != usual.rate_hz ||
                 flags.lockstep_hz || flags.arms || flags.header),
            "flags --ros-... belong to --ros: give it too");
+}
+
+RosFlags RosOf(const RosFlags& flags, const std::string& robot, bool has_scene) {
+  RosFlags own = flags;
+  own.robot = robot;
+  own.has_scene = has_scene;
+  if (!own.name_space.ends_with('/')) own.name_space += '/';
+  own.name_space += robot;
+  std::ranges::replace(own.name_space, '-', '_');  // which ROS does not know
+  return own;
 }
 
 std::unique_ptr<RosBridge> MakeRosBridge(const RosFlags& flags, record::RecordSink* next) {

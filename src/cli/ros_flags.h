@@ -23,8 +23,12 @@ struct RosFlags {
   double rate_hz = 100;
   std::optional<double> lockstep_hz;
   bool arms = false;
-  bool header = false;  ///< replies by a header in the payload
+  bool header = false;    ///< replies by a header in the payload
+  std::string robot;      ///< of several in one scene: its name, and its namespace
+  bool has_scene = true;  ///< of several: whether it publishes what they share, /clock and /tf
 };
+/// Of several robots: names below the robot's; what they share is published once.
+[[nodiscard]] RosFlags RosOf(const RosFlags& flags, const std::string& robot, bool has_scene);
 /// --ros, and what goes with it.
 void AddRos(CLI::App& app, RosFlags& flags);
 /// What goes with it, for a command that is nothing without ROS 2.

@@ -4,7 +4,6 @@
 #include <deque>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -12,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "cli/interrupt.h"
+#include "cli/robot_service.h"
 #include "cli/shared_flags.h"
 #include "cli/terminal.h"
 #include "twin/application/served_session.h"
@@ -27,13 +27,11 @@ namespace twin::cli {
 namespace {
 
 void RequireCellFlags(const ServeFlags& flags) {
-  RefuseIf(
-      flags.lab || flags.model || flags.scene || flags.seed || flags.clock_ppm || flags.log ||
-          flags.capture || flags.control || flags.page.wanted() || flags.ros.wanted ||
-          flags.network.allow || flags.reset != ServeFlags().reset,
-      "this scenario has several robots, which are served to this machine, at 127.0.0.1, "
-      "127.0.0.2, ...; --lab, --model, --scene, --seed, --clock-ppm, --log, --capture, --control, "
-      "--page, --ros, --allow and --reset are of one");
+  RefuseIf(flags.lab || flags.model || flags.scene || flags.seed || flags.clock_ppm || flags.log ||
+               flags.capture || flags.network.allow || flags.reset != ServeFlags().reset,
+           "this scenario has several robots, which are served to this machine, at 127.0.0.1, "
+           "127.0.0.2, ...; --lab, --model, --scene, --seed, --clock-ppm, --log, --capture, "
+           "--allow and --reset are of one");
   RefuseIf(flags.FreezesWhenIdle(),
            "--idle freeze: several robots have one time, which stands still for none of them");
 }
@@ -49,8 +47,12 @@ class CellService {
   [[nodiscard]] bool is_realtime() const {
     return flags_.drive && scenario::DriveFromName(*flags_.drive) == scenario::Drive::kRealtime;
   }
+  /// Those of one robot.
+  [[nodiscard]] ServeFlags FlagsOf(const std::filesystem::path& file, std::size_t robot) const;
   [[nodiscard]] application::ServeHost HostOf(std::size_t robot);
-  void Show(const std::string& robot, std::string_view line);
+  [[nodiscard]] std::string Named(std::size_t robot, std::string_view text) const {
+    return fmt::format("{}: {}", cell_.robots[robot].name, text);
+  }
   [[nodiscard]] bool Ends();
   void End();
 
@@ -63,8 +65,8 @@ class CellService {
   std::shared_ptr<plant::SharedModel> shared_;
   /// On the wall clock, of all robots, so that they take their steps together.
   std::optional<rt::FiberThread> thread_;
-  std::mutex showing_;
-  std::deque<application::ServedSession> sessions_;  ///< in the order of the robots
+  std::optional<EventLog> events_;     ///< from Run() to the end
+  std::deque<RobotService> services_;  ///< in the order of the robots
 };
 
 CellService::CellService(const std::filesystem::path& file, const ServeFlags& flags,
@@ -82,42 +84,44 @@ CellService::CellService(const std::filesystem::path& file, const ServeFlags& fl
   }
   shared_ = plant::SharedModel::Create(run::PlantsOf(cell_.robots, files_), others);
   for (std::size_t i = 0; i < cell_.robots.size(); ++i) {
-    application::ServeOptions options = flags;
-    options.scenario = file;
-    options.yaml = scenario::ToYaml(cell_.robots[i].scenario);
-    if (!is_realtime()) options.drive = "lockstep";
-    if (flags.out) options.out = *flags.out / cell_.robots[i].name;
-    sessions_.emplace_back(options, HostOf(i));
+    services_.emplace_back(
+        FlagsOf(file, i), HostOf(i), program,
+        [this, i](double at_s, std::string_view line) { events_->Put(at_s, Named(i, line)); });
   }
 }
 
-application::ServeHost CellService::HostOf(std::size_t robot) {
+ServeFlags CellService::FlagsOf(const std::filesystem::path& file, std::size_t robot) const {
   const scenario::CellRobot& one = cell_.robots[robot];
-  application::ServeHost host;
-  host.files = files_;
-  Listen(flags_.network, host.server);
+  ServeFlags flags = flags_;
+  flags.scenario = file;
+  scenario::Scenario scenario = one.scenario;
+  scenario.render = cell_.common.render;  // the scene's cameras, for the page
+  scenario.render.enabled = false;
+  flags.yaml = scenario::ToYaml(scenario);
+  if (!is_realtime()) flags.drive = "lockstep";
+  if (flags.out) flags.out = *flags.out / one.name;
+  if (flags.control) *flags.control += "." + one.name;
+  flags.page = PageOf(flags.page, robot);
+  flags.ros = RosOf(flags.ros, one.name, robot == 0);
+  return flags;
+}
+
+application::ServeHost CellService::HostOf(std::size_t robot) {
+  application::ServeHost host = cli::HostOf(flags_, program_);
   host.server.address += static_cast<std::uint32_t>(robot);
-  host.server.model_library = ModelLibraryOf(program_);
-  host.programs = program_.host.path;
-  host.place = [this, &one](plant::MujocoPlantOptions& plant) {
+  host.place = [this,
+                prefix = run::PrefixOf(cell_.robots[robot])](plant::MujocoPlantOptions& plant) {
     plant.shared = shared_;
-    plant.prefix = run::PrefixOf(one);
+    plant.prefix = prefix;
   };
   host.thread = thread_ ? &*thread_ : nullptr;
-  host.tell = [this, &one](std::string_view line) { Show(one.name, line); };
   return host;
 }
 
-void CellService::Show(const std::string& robot, std::string_view line) {
-  const std::scoped_lock lock(showing_);
-  Say(stdout, fmt::format("{}: {}\n", robot, line));
-  std::fflush(stdout);
-}
-
 bool CellService::Ends() {
-  for (std::size_t i = 0; i < sessions_.size(); ++i) {
-    for (const std::string& loss : sessions_[i].NewLosses()) {
-      program_.log->warn("{}: {}", cell_.robots[i].name, loss);
+  for (std::size_t i = 0; i < services_.size(); ++i) {
+    for (const std::string& loss : services_[i].session().NewLosses()) {
+      program_.log->warn("{}", Named(i, loss));
     }
   }
   if (interrupt_.interrupted()) return true;
@@ -125,42 +129,39 @@ bool CellService::Ends() {
 }
 
 void CellService::End() {
+  for (RobotService& service : services_) service.Close();
   if (thread_) {
-    for (application::ServedSession& session : sessions_) session.robot().StopServing();
+    for (RobotService& service : services_) service.session().robot().StopServing();
     thread_->Stop();
   } else {
     shared_->Release();
   }
-  for (application::ServedSession& session : sessions_) {
-    session.End([this](std::string_view text) { program_.log->info(text); });
-  }
+  for (RobotService& service : services_) service.End();
 }
 
 int CellService::Run() {
   interrupt_.ThrowIfInterrupted();
-  for (application::ServedSession& session : sessions_) session.StartLog();
-  for (application::ServedSession& session : sessions_) session.robot().Start();
+  events_.emplace(*program_.log_flags);
+  for (std::size_t i = 0; i < services_.size(); ++i) {
+    if (const std::string page = services_[i].Open(); !page.empty()) events_->Put(Named(i, page));
+  }
+  for (RobotService& service : services_) service.session().StartLog();
+  for (RobotService& service : services_) service.session().robot().Start();
   if (thread_) {
     for (const std::string& notice : thread_->Start()) program_.log->info("robots: {}", notice);
   }
-  for (std::size_t i = 0; i < sessions_.size(); ++i) {
-    const std::scoped_lock lock(showing_);
-    Say(stdout, fmt::format("{}: {}", cell_.robots[i].name, IntroductionOf(flags_, sessions_[i])));
-    std::fflush(stdout);
+  for (std::size_t i = 0; i < services_.size(); ++i) {
+    events_->Put(Named(i, services_[i].Introduce()));
   }
   constexpr Duration kLook = std::chrono::milliseconds(50);
   while (!Ends()) rt::SleepUntil(clock_, clock_.Now() + kLook);
   const bool is_interrupted = interrupt_.interrupted();
   if (flags_.out) interrupt_.Rearm();  // a second one must not kill what closes the logs
   End();
-  if (flags_.out) {
-    Terminal terminal(program_.log, program_.is_quiet());
-    for (const application::ServedSession& session : sessions_) {
-      session.WriteResults(terminal);
-      terminal.Print(fmt::format("  report  {}\n", session.out()->report().string()));
-    }
-  }
-  const std::string warnings = sessions_.front().robot().DescribeWarnings();
+  events_.reset();  // the terminal writes to standard output
+  Terminal terminal(program_.log, program_.is_quiet());
+  for (RobotService& service : services_) service.WriteResults(terminal);
+  const std::string warnings = services_.front().session().robot().DescribeWarnings();
   if (!warnings.empty()) throw RobotFault("the simulation itself became unsound: " + warnings);
   return is_interrupted ? kInterrupted : kOk;
 }

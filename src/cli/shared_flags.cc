@@ -112,6 +112,14 @@ page::PageSettings PageAt(const PageFlags& flags) {
   return settings;
 }
 
+PageFlags PageOf(const PageFlags& flags, std::size_t robot) {
+  PageFlags own = flags;
+  if (!flags.wanted()) return own;
+  const std::uint16_t first = PageAt(flags).at.port;
+  if (first != 0) own.port = std::to_string(first + robot);
+  return own;
+}
+
 void RequirePageFlags(const PageFlags& flags) {
   if (flags.wanted()) {
     static_cast<void>(PageAt(flags));

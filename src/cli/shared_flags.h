@@ -81,6 +81,8 @@ void AddPage(CLI::App& app, PageFlags& flags);
 /// @throws InputError when an address is none, a port is out of range, or others could connect
 /// without being named.
 [[nodiscard]] page::PageSettings PageAt(const PageFlags& flags);
+/// Of several robots, each with a page: the port that was given, and those after it.
+[[nodiscard]] PageFlags PageOf(const PageFlags& flags, std::size_t robot);
 /// Before anything is done. @throws InputError as PageAt, and for flags of a page without --page.
 void RequirePageFlags(const PageFlags& flags);
 

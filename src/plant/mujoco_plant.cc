@@ -45,6 +45,26 @@ std::size_t PositionsOf(int type) noexcept {
   return type == mjJNT_BALL ? 4 : 1;
 }
 
+/// All arms of a world, as one of them shows them.
+class WholeTruth final : public TruthProbe {
+ public:
+  WholeTruth(const EngineWorld& world, const TruthProbe& arm) : world_(world), arm_(arm) {}
+
+  [[nodiscard]] const mjModel& model() const noexcept override { return world_.model(); }
+  [[nodiscard]] const mjData& data() const noexcept override { return world_.data(); }
+  [[nodiscard]] std::size_t qpos_size() const noexcept override {
+    return static_cast<std::size_t>(model().nq);
+  }
+  void CopyQpos(std::span<double> out) const noexcept override {
+    std::copy_n(data().qpos, out.size(), out.begin());
+  }
+  [[nodiscard]] const std::string& prefix() const noexcept override { return arm_.prefix(); }
+
+ private:
+  const EngineWorld& world_;
+  const TruthProbe& arm_;
+};
+
 /// One arm of a world, as a plant.
 class EnginePlant final : public MujocoPlant {
  public:
@@ -121,6 +141,7 @@ class EnginePlant final : public MujocoPlant {
     for (std::size_t i = 0; i < out.size(); ++i) out[i] = world_->data().qpos[qpos_[i]];
   }
   [[nodiscard]] const std::string& prefix() const noexcept override { return prefix_; }
+  [[nodiscard]] const TruthProbe& whole() const noexcept override { return whole_; }
 
   [[nodiscard]] bool uses_meshes() const noexcept override { return uses_meshes_; }
   [[nodiscard]] JointVector GravityTorque(const JointVector& q) override;
@@ -143,6 +164,7 @@ class EnginePlant final : public MujocoPlant {
   const std::size_t index_;
   const std::string prefix_;
   const bool uses_meshes_;
+  const WholeTruth whole_{*world_, *this};
   std::vector<int> qpos_;  ///< of the model, without the other arms'
 };
 

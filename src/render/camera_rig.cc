@@ -56,7 +56,7 @@ CameraRig::CameraRig(const View& view, const DrawnModel& model) : view_(view) {
   view_.Validate();
   if (view_.kind == ViewKind::kScene) id_ = model.CameraId(view_.name);
   if (view_.kind == ViewKind::kTracking) id_ = model.BodyId(view_.name);
-  if (view_.kind == ViewKind::kGripper) id_ = model.BodyId(kFlange);
+  if (view_.kind == ViewKind::kGripper) id_ = model.BodyId(view_.name + kFlange);
 }
 
 void CameraRig::Aim(Duration since, const mjData& data, Shot& shot) const {

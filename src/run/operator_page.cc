@@ -34,10 +34,13 @@ render::View Around(const scenario::Scenario& scenario, double azimuth_deg, doub
   return view;
 }
 
-/// The cameras of a page: the scenario's, the hand's, and some round about.
-std::vector<page::NamedView> ViewsOf(const scenario::Scenario& scenario) {
+/// The cameras of a page (prefix: of the arm's bodies): the scenario's, the hand's, and some round
+/// about.
+std::vector<page::NamedView> ViewsOf(const scenario::Scenario& scenario,
+                                     const std::string& prefix) {
   render::View hand;
   hand.kind = render::ViewKind::kGripper;
+  hand.name = prefix;
   return {{"the run's", FilmOf(scenario.render).view},
           {"from behind", Around(scenario, 0, -25)},
           {"the hand's", hand},
@@ -153,11 +156,12 @@ std::string OperatorPage::Open(page::PageSettings settings, const scenario::Scen
   settings.at = settings_->at;
   settings.allow = settings_->allow;
   page::PageScene scene;
-  if (shown.truth != nullptr && RunRecords::CanFilm(*shown.truth)) {
-    scene.truth = shown.truth;
-    scene.views = ViewsOf(scenario);
-    feed_.Show(*shown.truth);
-    truth_ = shown.truth;
+  const plant::TruthProbe* const truth = shown.truth != nullptr ? &shown.truth->whole() : nullptr;
+  if (truth != nullptr && RunRecords::CanFilm(*truth)) {
+    scene.truth = truth;
+    scene.views = ViewsOf(scenario, truth->prefix());
+    feed_.Show(*truth);
+    truth_ = truth;
   }
   if (shown.paced_until != nullptr) {
     feed_.KeepPace(wall_, shown.paced_until);

@@ -69,13 +69,10 @@ void ValidateBase(const Scenario& scenario) {
            "base.drive: beside an application, which drives the base itself");
 }
 
-/// Only a motion of its own, in the engine, is known to mind where the arm stands.
 void ValidatePose(const Scenario& scenario) {
   if (scenario.robot.pose == plant::ArmPose()) return;
   RefuseIf(scenario.base.has_value(),
            "robot.pose: the arm stands on a mobile base; say base.start, or leave one of them out");
-  RefuseIf(scenario.is_remote(),
-           "robot.pose: a robot at the other end of a wire stands where it stands; leave it out");
 }
 
 void ValidateHand(const Scenario& scenario) {

@@ -82,6 +82,10 @@ std::string ControlledRobot::StatusLine() const {
 }
 
 robot::AnswerPacedRobot& ControlledRobot::Lockstep(std::string_view what) const {
+  if (!has_own_time_) {
+    throw InputError(
+        fmt::format("{}: several robots have one time, which stands still for none of them", what));
+  }
   robot::AnswerPacedRobot* const lockstep = served_.lockstep();
   if (lockstep != nullptr) return *lockstep;
   throw InputError(fmt::format(

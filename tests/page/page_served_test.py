@@ -159,6 +159,34 @@ class PageOverAMovableBoxTest(PageServedTest):
         held([0.6, 0, 0, 0, 0, 0], 4)
 
 
+class PagesOfTwoRobotsTest(unittest.TestCase):
+    """Two robots of one scene have a page each, and each page leads its own."""
+
+    def test_each_leads_its_own(self):
+        process = subprocess.Popen([PROGRAM, "serve", SOURCE / "tests/clients/two_arms.yaml", "--drive", "lockstep", "--pace", "1", "--page=0",
+                                    "--port", "0", "--hand-port", "0", "--bind", "127.0.0.7", "--data", SOURCE / "models"],
+                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+
+        def end():
+            process.terminate()
+            process.communicate(timeout=TIMEOUT)
+        self.addCleanup(end)
+        operators = {}
+        for line in process.stdout:
+            if match := re.match(r"(left|right): page +http://127\.0\.0\.1:(\d+)/#token=([0-9a-f]{32})", line):
+                operators[match[1]] = PersistentOperator(int(match[2]), match[3])
+                self.addCleanup(operators[match[1]].client.connection.close)
+                if len(operators) == 2:
+                    break
+        state = {name: operator.lead([0] * 6, lambda message: message["type"] == "state" and message["arm"])["arm"]
+                 for name, operator in operators.items()}
+        begin = operators["right"].lead_arm([0] * 6, lambda arm: arm["mode"] == "Move")["O_T_EE"]
+        operators["right"].lead_arm([0, 0, 1, 0, 0, 0], lambda arm: arm["O_T_EE"][14] > begin[14] + 0.02)
+        stays = operators["left"].lead([0] * 6, lambda message: message["type"] == "state" and message["arm"])["arm"]
+        self.assertEqual(stays["mode"], "Idle")
+        self.assertLess(max(abs(a - b) for a, b in zip(stays["O_T_EE"], state["left"]["O_T_EE"])), 1e-3)
+
+
 class StartsPrograms(unittest.TestCase):
     def start(self, *args):
         process = subprocess.Popen([PROGRAM, *args, "--data", SOURCE / "models"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)

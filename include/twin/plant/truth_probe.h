@@ -28,6 +28,8 @@ class TruthProbe {
   virtual void CopyQpos(std::span<double> out) const noexcept = 0;
   /// What the names of this arm's bodies begin with, in a model of several arms: "left/".
   [[nodiscard]] virtual const std::string& prefix() const noexcept = 0;
+  /// The same with the positions of all arms, which draw model(); lives as long as this.
+  [[nodiscard]] virtual const TruthProbe& whole() const noexcept { return *this; }
 };
 
 }  // namespace twin::plant

@@ -17,7 +17,9 @@ enum class ViewKind : std::uint8_t {
 /// Viewpoint of a film.
 struct View {
   ViewKind kind = ViewKind::kOrbit;
-  std::string name;          ///< kScene: the camera; kTracking: the body
+  /// kScene: the camera; kTracking: the body; kGripper: what the names of the arm's bodies begin
+  /// with, among several arms.
+  std::string name;
   FreeCamera orbit;          ///< kOrbit, kTracking; for kTracking, lookat_m is relative to the body
   bool turns_along = false;  ///< kTracking: azimuth and lookat_m follow the body's rotation about z
   double turn_deg_per_s = 0;  ///< kOrbit, kTracking: of the azimuth, in run time; |.| <= 360

@@ -18,8 +18,9 @@ namespace twin::server {
 class ControlledRobot {
  public:
   /// @param robot  must outlive this. @param may_reset  whether a request may reset the robot.
-  ControlledRobot(ServedRobot& robot, bool may_reset) noexcept
-      : served_(robot), may_reset_(may_reset) {}
+  /// @param has_own_time  false: it shares its time with other robots, so no request stops it.
+  ControlledRobot(ServedRobot& robot, bool may_reset, bool has_own_time = true) noexcept
+      : served_(robot), may_reset_(may_reset), has_own_time_(has_own_time) {}
 
   /// Carries out a request; of a step it begins the cycles, see IsStepping().
   /// @throws InputError when the robot refuses; RobotFault as robot::ThreadedRobot's requests.
@@ -38,6 +39,7 @@ class ControlledRobot {
 
   ServedRobot& served_;
   const bool may_reset_;
+  const bool has_own_time_;
 };
 
 }  // namespace twin::server
