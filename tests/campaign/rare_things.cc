@@ -190,6 +190,17 @@ void DrawObject(Dice& dice, Scenario& world) {
   }
 }
 
+/// A controller that now and then computes for so long that it counts as stalled.
+void DrawSilence(Dice& dice, Scenario& world) {
+  if (world.loop == loop::LoopKind::kBare || !dice.Chance(0.1)) return;
+  const double usual_s = 60e-6;
+  const double silent_s = dice.Between(2, 8) / world.controller.rate_hz +
+                          ToSeconds(world.tick.stall_time) * dice.Between(0.5, 2);
+  world.controller.cost = {faults::EmpiricalDelay{
+      {FromSeconds(usual_s), FromSeconds(2 * usual_s), FromSeconds(silent_s)},
+      {1, dice.Between(0.002, 0.05)}}};
+}
+
 }  // namespace
 
 void DrawRareThings(Dice& dice, Scenario& world, bool all) {
@@ -201,6 +212,7 @@ void DrawRareThings(Dice& dice, Scenario& world, bool all) {
   DrawController(dice, world);
   DrawBase(dice, world);
   DrawObject(dice, world);
+  DrawSilence(dice, world);
 }
 
 }  // namespace twin::campaign

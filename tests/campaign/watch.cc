@@ -120,6 +120,7 @@ void Watch::Put(const record::TickRecord& record) noexcept {
   last_tick_ = record.message_id;
   if (!world_.application) {
     messages_.OnTick(record);
+    source_.OnTick(record);
     CheckLimiter(record);
     CheckFinish(record);
   }

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "campaign/message_watch.h"
+#include "campaign/source_watch.h"
 #include "conformance/state_checker.h"
 #include "twin/backend/registry.h"
 #include "twin/record/cycle_record.h"
@@ -33,7 +34,10 @@ class Watch final : public record::RecordSink {
  public:
   /// @param world  must outlive this.
   explicit Watch(const scenario::Scenario& world)
-      : world_(world), messages_(world, [this](std::string_view invariant, const auto& finding) {
+      : world_(world),
+        messages_(world, [this](std::string_view invariant,
+                                const auto& finding) { Note(invariant, finding); }),
+        source_(world, [this](std::string_view invariant, const auto& finding) {
           Note(invariant, finding);
         }) {}
   Watch(const Watch&) = delete;
@@ -73,6 +77,7 @@ class Watch final : public record::RecordSink {
 
   const scenario::Scenario& world_;
   MessageWatch messages_;
+  SourceWatch source_;
   std::optional<test::CheckedRobot> robot_;
   std::optional<test::StateChecker> specification_;
   std::optional<Finding> finding_;
