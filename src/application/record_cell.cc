@@ -214,14 +214,7 @@ void CellRecorder::RunIsland(const run::Island& island) {
       RunRobot(partners, seat, *end);
     });
   }
-  for (bool goes_on = true; goes_on;) {
-    goes_on = false;
-    for (rt::Fiber& one : runs) {
-      if (one.ended()) continue;
-      goes_on = true;
-      one.Resume();
-    }
-  }
+  rt::ResumeInTurn(runs);
 }
 
 void CellRecorder::TakeTimesOfRobots() {

@@ -81,11 +81,11 @@ class FastRosBridge final : public RosBridge {
     if (hand) bridged.hand = [&robot] { return robot.robot().hand_state(); };
     bridged.simulation.emplace(ros2::Simulation{
         .robot = server::ControlledRobot(robot, session.reset() != application::ResetPolicy::kNever,
-                                         flags_.robot.empty()),
+                                         !flags_.is_among_others),
         .bodies = [this] { return Bodies(); },
         .puts_bodies_on_tf = flags_.has_scene});
     robot::AnswerPacedRobot* const lockstep = robot.lockstep();
-    if (lockstep != nullptr && flags_.robot.empty()) {
+    if (lockstep != nullptr && !flags_.is_among_others) {
       bridged.simulation->is_paused = [lockstep] { return lockstep->cycles_left().has_value(); };
       bridged.simulation->cycles_left = [lockstep] { return lockstep->cycles_left().value_or(0); };
     }
@@ -201,7 +201,7 @@ void RequireRosFlags(const RosFlags& flags) {
 
 RosFlags RosOf(const RosFlags& flags, const std::string& robot, bool has_scene) {
   RosFlags own = flags;
-  own.robot = robot;
+  own.is_among_others = true;
   own.has_scene = has_scene;
   if (!own.name_space.ends_with('/')) own.name_space += '/';
   own.name_space += robot;

@@ -23,8 +23,8 @@ struct RosFlags {
   double rate_hz = 100;
   std::optional<double> lockstep_hz;
   bool arms = false;
-  bool header = false;    ///< replies by a header in the payload
-  std::string robot;      ///< of several in one scene: its name, and its namespace
+  bool header = false;           ///< replies by a header in the payload
+  bool is_among_others = false;  ///< with whom it shares scene and time
   bool has_scene = true;  ///< of several: whether it publishes what they share, /clock and /tf
 };
 /// Of several robots: names below the robot's; what they share is published once.

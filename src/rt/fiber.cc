@@ -162,4 +162,15 @@ void Fiber::Yield() noexcept {
   running->Leave();
 }
 
+void ResumeInTurn(std::deque<Fiber>& fibers) {
+  for (bool goes_on = true; goes_on;) {
+    goes_on = false;
+    for (Fiber& fiber : fibers) {
+      if (fiber.ended()) continue;
+      goes_on = true;
+      fiber.Resume();
+    }
+  }
+}
+
 }  // namespace twin::rt

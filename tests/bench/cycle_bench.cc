@@ -222,14 +222,7 @@ void PairCycle(benchmark::State& state) {
       });
     }
     state.ResumeTiming();
-    for (bool goes_on = true; goes_on;) {
-      goes_on = false;
-      for (rt::Fiber& run : runs) {
-        if (run.ended()) continue;
-        goes_on = true;
-        run.Resume();
-      }
-    }
+    rt::ResumeInTurn(runs);
   }
   state.SetItemsProcessed(cycles);
 }

@@ -1,5 +1,6 @@
 #include "twin/rt/fiber.h"
 
+#include <deque>
 #include <exception>
 #include <stdexcept>
 #include <string>
@@ -65,6 +66,21 @@ TEST(FiberTest, KeepsExceptionsOfTwoFibersApart) {
     if (!second.ended()) second.Resume();
   }
   EXPECT_EQ(caught, (std::vector<std::string>{"first", "second"}));
+}
+
+TEST(FiberTest, ResumesInTurnUntilAllHaveEnded) {
+  std::string order;
+  std::deque<Fiber> fibers;
+  for (const int times : {1, 3, 2}) {
+    fibers.emplace_back([&order, times] {
+      for (int i = 1; i <= times; ++i) {
+        order += static_cast<char>('0' + times);
+        if (i < times) Fiber::Yield();
+      }
+    });
+  }
+  ResumeInTurn(fibers);
+  EXPECT_EQ(order, "132323");
 }
 
 TEST(FiberTest, RunsInAFiber) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <deque>
 #include <functional>
 #include <memory>
 
@@ -36,5 +37,8 @@ class Fiber {
  private:
   std::unique_ptr<State> state_;
 };
+
+/// Resumes each in turn, in their order, until all have ended. @throws as Fiber::Resume.
+void ResumeInTurn(std::deque<Fiber>& fibers);
 
 }  // namespace twin::rt
