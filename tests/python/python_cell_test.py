@@ -16,6 +16,7 @@ import unittest.mock
 import numpy as np
 
 import panda_twin as pt
+import process_counts
 
 SOURCE = pathlib.Path(__file__).parents[2]
 PANDA_TWIN = pathlib.Path(pt.__file__).parents[2] / "panda-twin"
@@ -422,10 +423,12 @@ class Leaks(unittest.TestCase):
             for _ in range(times):
                 with pt.Cell(keys()) as cell:
                     cell.together(left=lambda robot: robot.wait(0.002), right=lambda robot: robot.wait(0.001))
-            return threading.active_count(), len(os.listdir("/proc/self/task")), len(os.listdir("/proc/self/fd"))
+            return threading.active_count(), process_counts.descriptors()
 
         before = use(2)
+        threads = process_counts.threads()
         self.assertEqual(use(10), before)
+        self.assertLessEqual(process_counts.threads(at_most=threads), threads)
 
     def test_a_thread_that_cannot_be_started_ends_the_others(self):
         start = threading.Thread.start
