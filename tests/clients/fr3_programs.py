@@ -4,6 +4,7 @@
 import json
 import math
 import sys
+import time
 
 PROGRAMS = {}
 READY = [0, -math.pi / 4, 0, -3 * math.pi / 4, 0, math.pi / 2, math.pi / 4]
@@ -257,6 +258,54 @@ def franky_moves(address):
     gripper.open(0.1)
     return {"moved": [b - a for a, b in zip(start, moved)], "turned": [b - a for a, b in zip(READY, turned)],
             "width": gripper.width, "errors": bool(robot.has_errors)}
+
+
+def stream_to(targets, distance, goal, tolerance):
+    """Streams to the goal, until the measured state is there, and ends the motion in order. @returns how near it came"""
+    with targets as stream:
+        stream.move_to(goal)
+        for _ in range(3000):
+            if (left := distance(stream.state())) < tolerance:
+                break
+            time.sleep(0.01)
+    return left
+
+
+@program
+def franka_rs_all(address):
+    """What franka-rs has: target streams by each backend, its model of the served URDF, an error with recovery, the hand."""
+    import franka
+    robot = franka.Robot(address, realtime="ignore")
+    robot.set_collision_behavior_simple([100.0] * 7, [100.0] * 7, [100.0] * 6, [100.0] * 6)
+    robot.set_joint_impedance([3000.0, 3000.0, 3000.0, 2500.0, 2500.0, 2000.0, 2000.0])
+    robot.set_cartesian_impedance([3000.0, 3000.0, 3000.0, 300.0, 300.0, 300.0])
+    [state] = [robot.read_once() for _ in range(10)][-1:]
+    model, at = robot.model(), [state.O_T_EE[row][3] for row in range(3)]
+    facts = {"version": robot.fci_version, "tau_J": list(state.tau_J),
+             "gravity": list(model.gravity(state.q, state.m_total, state.F_x_Ctotal)),
+             "pose": farthest([model.pose("ee", state.q, state.F_T_EE, state.EE_T_K)[row][3] for row in range(3)], at)}
+    for backend in ("robot", "impedance"):
+        for name, step in (("there", 0.1), ("back", 0.0)):
+            goal = [q + step for q in READY]
+            facts[f"joint_{backend}_{name}"] = stream_to(robot.joint_targets(backend=backend), lambda now: farthest(now.q, goal), goal, 5e-3)
+        for name, step in (("there", 0.05), ("back", 0.0)):
+            goal = [x + step for x in at]
+            facts[f"cartesian_{backend}_{name}"] = stream_to(
+                robot.cartesian_targets(backend=backend), lambda now: farthest([now.O_T_EE[row][3] for row in range(3)], goal), goal, 4e-3)
+    stream = robot.joint_targets()
+    stream.move_to([q + 0.5 for q in READY])
+    robot.stop()
+    try:
+        stream.stop()
+        facts["said"] = ""
+    except franka.ControlException as error:
+        facts["said"] = str(error)
+    robot.automatic_error_recovery()
+    hand = robot.gripper()
+    hand.homing()
+    facts["moved"], facts["width"] = hand.move(0.03, 0.1), hand.read_once().width
+    facts["mode"] = [robot.read_once() for _ in range(10)][-1].robot_mode
+    return facts
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Unmodified pylibfranka 0.21.3 and franky-control 2.0.0 (libfranka 0.21, protocol 10) against `panda-twin serve --model fr3`:
+"""Unmodified pylibfranka 0.21.3, franky-control 2.0.0 (libfranka 0.21) and franka-rs 0.4.0 (its own client), protocol 10, against `panda-twin serve --model fr3`:
 
     fr3_test.py PROGRAM SOURCE_TREE lockstep|realtime [unittest options]
 
@@ -127,6 +127,19 @@ class Fr3Test(unittest.TestCase):
         self.assertAlmostEqual(facts["width"], 0.08, delta=2e-3)
         self.assertFalse(facts["errors"])
 
+    def test_all_of_franka_rs(self):
+        facts = self.run_program("franka_rs_all")
+        self.assertEqual((facts["version"], facts["moved"], facts["mode"]), (10, True, "idle"))
+        self.assertLess(facts["pose"], 1e-6)
+        for joint, (tau, gravity) in enumerate(zip(facts["tau_J"], facts["gravity"])):
+            self.assertAlmostEqual(tau, gravity, delta=0.5, msg=f"joint {joint + 1}")
+        for backend in ("robot", "impedance"):
+            for way in ("there", "back"):
+                self.assertLess(facts[f"joint_{backend}_{way}"], JOINT_GOAL)
+                self.assertLess(facts[f"cartesian_{backend}_{way}"], 4 * POSITION_GOAL)
+        self.assertIn("preempted", facts["said"])
+        self.assertAlmostEqual(facts["width"], 0.03, delta=1e-3)
+
     def test_our_own_client_drives_it_and_its_capture_is_read(self):
         with tempfile.TemporaryDirectory() as folder:
             scenario, capture = pathlib.Path(folder, "turn.yaml"), pathlib.Path(folder, "a.pcapng")
@@ -153,7 +166,7 @@ class Fr3Test(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    for module in ("pylibfranka", "franky"):
+    for module in ("pylibfranka", "franky", "franka"):
         if importlib.util.find_spec(module) is None:
             print(f"{module} is not there; scripts/setup installs it")
             sys.exit(SKIPPED)
