@@ -19,38 +19,44 @@ scenario::Cell CellOf(const CellOpening& opening) {
   return cell;
 }
 
-/// A robot, with the objects of its island.
+/// A robot: its island, and its index there.
 struct Placed {
-  const scenario::CellRobot* robot = nullptr;
+  std::string name;
   std::size_t island = 0;
+  std::size_t own = 0;
 };
 
 /// In the order of their names.
 std::vector<Placed> PlacedIn(const std::vector<run::Island>& islands) {
   std::vector<Placed> placed;
   for (std::size_t i = 0; i < islands.size(); ++i) {
-    for (const scenario::CellRobot& robot : islands[i].robots) placed.push_back({&robot, i});
+    const auto& robots = islands[i].robots;
+    for (std::size_t own = 0; own < robots.size(); ++own) {
+      placed.push_back({robots[own].name, i, own});
+    }
   }
-  std::ranges::sort(placed, {}, [](const Placed& one) { return one.robot->name; });
+  std::ranges::sort(placed, {}, &Placed::name);
   return placed;
 }
 
 }  // namespace
 
 TwinCell::TwinCell(const CellOpening& opening)
-    : cell_(CellOf(opening)), files_(Files()), log_(opening.log) {
+    : cell_(CellOf(opening)),
+      files_(Files()),
+      islands_(run::IslandsOf(cell_, files_)),
+      log_(opening.log) {
   run::RequireApartAtStart(cell_, files_);
-  const std::vector<run::Island> islands = run::IslandsOf(cell_, files_);
-  const std::vector<Placed> placed = PlacedIn(islands);
+  const std::vector<Placed> placed = PlacedIn(islands_);
   std::vector<CellMember> members;
-  for (const Placed& one : placed) members.push_back({one.robot->name, one.island});
+  for (const Placed& one : placed) members.push_back({one.name, one.island});
   clock_.emplace(std::move(members));
-  for (std::size_t i = 0; i < islands.size(); ++i) shared_.push_back(Share(islands[i], i));
+  for (std::size_t i = 0; i < islands_.size(); ++i) shared_.push_back(Share(islands_[i], i));
   if (log_) {
     if (!opening.text) run::ResultFolder(*log_).RequireOther(opening.file);
     MakeFolder(*log_, scenario::ToYaml(cell_));
   }
-  for (const Placed& one : placed) Open(*one.robot, shared_[one.island]);
+  for (const Placed& one : placed) Open(one.island, one.own);
 }
 
 TwinCell::~TwinCell() {
@@ -63,15 +69,20 @@ std::shared_ptr<plant::SharedModel> TwinCell::Share(const run::Island& island, s
                                     [this, number] { clock_->LetOthers(number); });
 }
 
-void TwinCell::Open(const scenario::CellRobot& robot,
-                    const std::shared_ptr<plant::SharedModel>& shared) {
+void TwinCell::Open(std::size_t island, std::size_t own) {
+  const std::vector<scenario::CellRobot>& robots = islands_[island].robots;
+  const scenario::CellRobot& robot = robots[own];
+  const std::shared_ptr<plant::SharedModel>& shared = shared_[island];
   const backend::Registry& known = TheCatalogue().backends;
   const backend::Registry& seat =
       seats_.emplace_back(shared ? run::SeatOf(robot, shared, known) : known);
   std::optional<std::filesystem::path> log;
   if (log_) log = MakeFolder(*log_ / robot.name, scenario::ToYaml(robot.scenario)).log();
-  sessions_.emplace_back(robot.scenario, log,
-                         Seat{.clock = *clock_, .robot = sessions_.size(), .backends = seat});
+  run::RunFiles files = files_;
+  files.neighbours = {robots, own};
+  sessions_.emplace_back(
+      robot.scenario, log,
+      Seat{.clock = *clock_, .robot = sessions_.size(), .backends = seat, .files = files});
 }
 
 run::ResultFolder& TwinCell::MakeFolder(const std::filesystem::path& folder,

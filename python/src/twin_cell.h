@@ -65,8 +65,8 @@ class TwinCell {
   /// @param island  number, of an island with several robots.
   [[nodiscard]] std::shared_ptr<plant::SharedModel> Share(const run::Island& island,
                                                           std::size_t number);
-  /// Opens the session of a robot. @param shared  null: it has a model of its own.
-  void Open(const scenario::CellRobot& robot, const std::shared_ptr<plant::SharedModel>& shared);
+  /// Opens the session of a robot. @param island  number. @param own  index in its island.
+  void Open(std::size_t island, std::size_t own);
   /// Makes a folder of results, without those of an earlier run. @returns it.
   run::ResultFolder& MakeFolder(const std::filesystem::path& folder, const std::string& scenario);
   /// From now on no session waits for another.
@@ -74,6 +74,7 @@ class TwinCell {
 
   const scenario::Cell cell_;
   const run::RunFiles files_;
+  const std::vector<run::Island> islands_;
   const std::optional<std::filesystem::path> log_;
   std::optional<CellClock> clock_;                           ///< set by the constructor
   std::vector<std::shared_ptr<plant::SharedModel>> shared_;  ///< by island; null: of one robot

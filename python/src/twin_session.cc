@@ -114,7 +114,7 @@ TwinSession::TwinSession(scenario::Scenario scenario,
                          const std::optional<std::filesystem::path>& log, const Seat* seat)
     : id_(NextId()),
       scenario_(std::move(scenario)),
-      files_(Files()),
+      files_(seat == nullptr ? Files() : seat->files),
       clock_(seat == nullptr ? nullptr : &seat->clock),
       robot_(seat == nullptr ? 0 : seat->robot) {
   controllers::RegisterControllers(controllers_);
@@ -258,8 +258,7 @@ run::MotionResult TwinSession::MoveTo(const JointVector& q, const std::string& i
     throw InputError("move_to: it plans for an arm that stands on the world, without a base");
   }
   if (!world_) {
-    world_ = run::MakeWorld(scenario_, session_->robot(),
-                            run::MakeRobotConfig(scenario_, session_->robot(), files_).plant);
+    world_ = run::MakeWorld(scenario_, session_->robot(), files_);
   }
   planning::PlannerOptions options{.clearance = clearance, .pace = pace};
   options.stopped = [this] {

@@ -37,6 +37,7 @@ struct Seat {
   CellClock& clock;
   std::size_t robot = 0;              ///< of the clock
   const backend::Registry& backends;  ///< which connect it to the model that it shares
+  run::RunFiles files;                ///< with its neighbours
 };
 
 /// A snapshot, and whose it is.

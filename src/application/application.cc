@@ -267,16 +267,7 @@ Transform Stage::F_T_EE() const {
 }
 
 std::unique_ptr<planning::CollisionWorld> Stage::MakeWorld() const {
-  if (partners == nullptr || partners->robots().size() == 1) {
-    return run::MakeWorld(scenario, session.robot(),
-                          run::MakeRobotConfig(scenario, session.robot(), files).plant);
-  }
-  auto world = run::MakeWorld(scenario, session.robot(), run::PlantsOf(partners->robots(), files),
-                              partners->own());
-  for (std::size_t i = 0; i < partners->robots().size(); ++i) {
-    if (i != partners->own()) world->PlaceArm(i, partners->StartOf(i), kHandStroke);
-  }
-  return world;
+  return run::MakeWorld(scenario, session.robot(), files);
 }
 
 void Stage::Carry(const std::vector<TaskStep>& steps) {

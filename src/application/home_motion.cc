@@ -34,7 +34,7 @@ planning::Plan PlanHome(planning::CollisionWorld& world, const run::Session& ses
 
 void MoveHome(run::Session& session, const scenario::Scenario& led,
               const scenario::Scenario& served, const run::RunFiles& files,
-              const PageOperator::FreeBodies& bodies) {
+              const PageOperator::Arrange& arrange) {
   const JointVector start = session.ReadState().q_d;
   const JointVector home = led.robot.q_start.value();
   const bool is_there = std::ranges::equal(
@@ -43,8 +43,7 @@ void MoveHome(run::Session& session, const scenario::Scenario& led,
     session.Tell("home", "the arm is there");
     return;
   }
-  const auto world =
-      run::MakeWorld(served, session.robot(), run::MakeServedConfig(served, files).plant);
+  const auto world = run::MakeWorld(served, session.robot(), files);
   if (backend::Hand* hand = session.connection().hand; hand != nullptr) {
     const HandState state = hand->ReadState();
     if (state.is_grasped) {
@@ -53,7 +52,7 @@ void MoveHome(run::Session& session, const scenario::Scenario& led,
     }
     world->SetHandWidth(std::clamp(state.width, 0.0, kHandStroke));
   }
-  for (const auto& [name, X_WB] : bodies()) world->Place(name, X_WB);
+  arrange(*world);
   const planning::Plan plan = PlanHome(*world, session, start, home);
   session.Tell("home",
                fmt::format("moves there in {:.1f} s", ToSeconds(plan.trajectory.duration())));

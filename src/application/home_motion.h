@@ -16,6 +16,6 @@ namespace twin::application {
 /// found, or the motion ends early; the text says which and what to do. As Session's functions.
 void MoveHome(run::Session& session, const scenario::Scenario& led,
               const scenario::Scenario& served, const run::RunFiles& files,
-              const PageOperator::FreeBodies& bodies);
+              const PageOperator::Arrange& arrange);
 
 }  // namespace twin::application

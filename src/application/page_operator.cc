@@ -151,7 +151,7 @@ void PageOperator::Home() {
   run::Session session(scenario_, parts_.catalogue, parts_.files, nullptr, settings_);
   session.Begin(hooks);
   session.Recover();
-  MoveHome(session, scenario_, served_, parts_.files, parts_.bodies);
+  MoveHome(session, scenario_, served_, parts_.files, parts_.arrange);
 }
 
 void PageOperator::Session(std::unique_ptr<teleop::Device> device) {
@@ -159,9 +159,11 @@ void PageOperator::Session(std::unique_ptr<teleop::Device> device) {
   run::RunHooks hooks;
   hooks.interrupted = &interrupted_;
   hooks.event = tell_;
+  run::RunFiles files = parts_.files;
+  files.neighbours = {};  // they move, and an operator's surroundings are fixed
   {
     // Recovers from a stop or a reflex.
-    run::Session session(scenario_, parts_.catalogue, parts_.files, nullptr, settings_);
+    run::Session session(scenario_, parts_.catalogue, files, nullptr, settings_);
     session.Begin(hooks);
     session.Recover();
   }
@@ -170,7 +172,7 @@ void PageOperator::Session(std::unique_ptr<teleop::Device> device) {
               [&device](const teleop::DeviceRequest&) { return std::move(device); });
   const run::Catalogue catalogue{parts_.catalogue.backends, parts_.catalogue.controllers, &devices};
   const MonotonicClock clock;
-  ApplicationRun run(scenario_, catalogue, parts_.files, nullptr, clock, settings_);
+  ApplicationRun run(scenario_, catalogue, files, nullptr, clock, settings_);
   {
     const std::lock_guard lock(mutex_);
     phase_ = page::LedSession::kLeads;

@@ -47,6 +47,12 @@ Json ReadResult(const std::filesystem::path& path) {
   return result.is_object() ? result : Json::object();
 }
 
+/// With the robot's neighbours.
+run::RunFiles FilesFor(const Partners& partners, run::RunFiles files) {
+  files.neighbours = {partners.robots(), partners.own()};
+  return files;
+}
+
 /// What a robot's run says, with the robot's name.
 class RobotConsole final : public run::Console {
  public:
@@ -182,7 +188,8 @@ void CellRecorder::RunRobot(const Partners& partners, const backend::Registry& b
   const run::Catalogue catalogue{backends, inputs_.catalogue.controllers,
                                  inputs_.catalogue.devices};
   try {
-    RecordRun({robot.scenario, options, inputs_.files, catalogue, console, &partners});
+    RecordRun({robot.scenario, options, FilesFor(partners, inputs_.files), catalogue, console,
+               &partners});
   } catch (const RobotFault& fault) {
     end.failure = fault.what();
   } catch (const run::NoPlanError& error) {
@@ -276,8 +283,8 @@ std::string ValidateCell(const scenario::Cell& cell, const std::filesystem::path
     for (std::size_t i = 0; i < island.robots.size(); ++i) {
       const Partners partners(board, i);
       const scenario::CellRobot& robot = island.robots[i];
-      texts[robot.name] =
-          Validate(robot.scenario, file, catalogue, files, LibraryCheck::kNotLoaded, &partners);
+      texts[robot.name] = Validate(robot.scenario, file, catalogue, FilesFor(partners, files),
+                                   LibraryCheck::kNotLoaded, &partners);
     }
     if (island.robots.size() > 1) {
       together += fmt::format("  reach each other  {}\n", NamesOf(island));

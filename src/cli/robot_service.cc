@@ -87,9 +87,10 @@ std::string RobotService::OpenPage() {
         "it";
   } else {
     operator_ = std::make_unique<application::PageOperator>(
-        application::PageOperator::Parts{program_.catalogue, session_->files(), page_->channel(),
-                                         [this] { return page_->FreeBodies(); },
-                                         session_->drive().pace.value_or(1)},
+        application::PageOperator::Parts{
+            program_.catalogue, session_->files(), page_->channel(),
+            [this](planning::CollisionWorld& world) { page_->Arrange(world); },
+            session_->drive().pace.value_or(1)},
         scenario, robot.arm(), robot.hand(),
         [this](Time /*at*/, std::string_view kind, std::string_view text) {
           page_->Tell(kind, text);

@@ -109,6 +109,7 @@ ServeFlags CellService::FlagsOf(const std::filesystem::path& file, std::size_t r
 application::ServeHost CellService::HostOf(std::size_t robot) {
   application::ServeHost host = cli::HostOf(flags_, program_);
   host.server.address += static_cast<std::uint32_t>(robot);
+  host.files.neighbours = {cell_.robots, robot};
   host.place = [this,
                 prefix = run::PrefixOf(cell_.robots[robot])](plant::MujocoPlantOptions& plant) {
     plant.shared = shared_;

@@ -17,6 +17,7 @@
 #include "twin/model/self_collision.h"
 #include "twin/model/transform.h"
 #include "twin/plant/compiled_model.h"
+#include "twin/plant/observers.h"
 
 namespace twin::planning {
 namespace {
@@ -314,6 +315,21 @@ void CollisionWorld::PlaceArm(std::size_t arm, const JointVector& q, double widt
     parts_->data->qpos[parts_->model.jnt_qposadr[other.arm[i]]] = q[i];
   }
   parts_->SetWidth(other, width);
+}
+
+void CollisionWorld::ArrangeAs(const mjModel_& model, std::span<const double> qpos) {
+  const auto arrange = [&](int joint) {
+    const int there =
+        mj_name2id(&model, mjOBJ_JOINT, mj_id2name(&parts_->model, mjOBJ_JOINT, joint));
+    if (there < 0) return;
+    parts_->data->qpos[parts_->model.jnt_qposadr[joint]] = qpos[model.jnt_qposadr[there]];
+  };
+  for (const plant::CompiledModel& arm : parts_->all) {
+    if (&arm == &parts_->compiled) continue;
+    std::ranges::for_each(arm.arm, arrange);
+    std::ranges::for_each(arm.fingers, arrange);
+  }
+  for (const auto& [name, X_WB] : plant::FreeBodies(model, qpos)) Place(name, X_WB);
 }
 
 void CollisionWorld::Attach(const std::string& body, const Transform& F_T_B) {

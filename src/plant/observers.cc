@@ -109,8 +109,11 @@ std::vector<std::pair<std::string, Transform>> FreeBodies(const mjModel& model,
 }
 
 std::vector<std::pair<std::string, Transform>> FreeBodies(const TruthProbe& truth) {
-  const mjModel& model = truth.model();
-  return FreeBodies(model, {truth.data().qpos, static_cast<std::size_t>(model.nq)});
+  return FreeBodies(truth.model(), PositionsOf(truth));
+}
+
+std::span<const double> PositionsOf(const TruthProbe& truth) {
+  return {truth.data().qpos, static_cast<std::size_t>(truth.model().nq)};
 }
 
 int FreeBodyNamed(const mjModel& model, const std::string& name) {

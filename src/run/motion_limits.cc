@@ -2,14 +2,17 @@
 #include <cmath>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "run/resolve.h"
 #include "twin/core/error.h"
+#include "twin/core/hand_command.h"
 #include "twin/model/lab_limits.h"
 #include "twin/onboard/stop_proof.h"
+#include "twin/run/islands.h"
 #include "twin/run/robot_config.h"
 
 namespace twin::run {
@@ -94,15 +97,18 @@ model::LimitedArm ArmOf(const scenario::Scenario& scenario, const scenario::Robo
 
 std::unique_ptr<planning::CollisionWorld> MakeWorld(const scenario::Scenario& scenario,
                                                     const scenario::RobotData& robot,
-                                                    const plant::MujocoPlantOptions& options) {
-  return MakeWorld(scenario, robot, {&options, 1}, 0);
-}
-
-std::unique_ptr<planning::CollisionWorld> MakeWorld(const scenario::Scenario& scenario,
-                                                    const scenario::RobotData& robot,
-                                                    std::span<const plant::MujocoPlantOptions> arms,
-                                                    std::size_t own) {
-  auto world = std::make_unique<planning::CollisionWorld>(arms, own);
+                                                    const RunFiles& files) {
+  const auto& [robots, own] = files.neighbours;
+  std::vector<plant::MujocoPlantOptions> arms;
+  if (robots.size() > 1) {
+    arms = PlantsOf(robots, files);
+  } else {
+    arms.push_back(MakeRobotConfig(scenario, robot, files).plant);
+  }
+  auto world = std::make_unique<planning::CollisionWorld>(arms, robots.size() > 1 ? own : 0);
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    if (i != own) world->PlaceArm(i, StartOf(robots[i].scenario), kHandStroke);
+  }
   world->SetLimits(scenario.limits, ArmOf(scenario, robot));
   return world;
 }

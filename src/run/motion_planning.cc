@@ -83,12 +83,11 @@ reference::Trajectory Stretched(planning::Plan plan, double by, const JointLimit
 
 reference::Trajectory PlanMotion(const scenario::Scenario& scenario,
                                  const scenario::RobotData& robot, const JointVector& start,
-                                 const plant::MujocoPlantOptions& world,
-                                 planning::PlanStatistics& statistics) {
+                                 const RunFiles& files, planning::PlanStatistics& statistics) {
   const scenario::PlanSection& plan = *scenario.motion.plan;
   const MonotonicClock clock;
   try {
-    const auto around = MakeWorld(scenario, robot, world);
+    const auto around = MakeWorld(scenario, robot, files);
     planning::PlanOutcome outcome = Question(scenario, robot, start, *around, clock).Answer();
     if (auto* found = std::get_if<planning::Plan>(&outcome)) {
       statistics = found->statistics;
@@ -126,7 +125,10 @@ void ArrangeAsNow(const Session& session, const RobotState& state,
                   planning::CollisionWorld& world) {
   world.Detach();
   const auto bodies = session.Bodies();
-  for (const auto& [name, X_WB] : bodies) world.Place(name, X_WB);
+  if (const plant::TruthProbe* truth = session.connection().truth) {
+    const plant::TruthProbe& scene = truth->whole();
+    world.ArrangeAs(scene.model(), plant::PositionsOf(scene));
+  }
   const backend::Hand* hand = session.connection().hand;
   if (hand == nullptr) return;
   const HandState now = hand->ReadState();

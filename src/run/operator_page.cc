@@ -182,10 +182,10 @@ std::string OperatorPage::Open(page::PageSettings settings, const scenario::Scen
   return text;
 }
 
-std::vector<std::pair<std::string, Transform>> OperatorPage::FreeBodies() {
+void OperatorPage::Arrange(planning::CollisionWorld& world) {
   static_cast<void>(feed_.places().Refresh());
-  if (truth_ == nullptr || !feed_.places().has_value()) return {};
-  return plant::FreeBodies(truth_->model(), feed_.places().value().Positions());
+  if (truth_ == nullptr || !feed_.places().has_value()) return;
+  world.ArrangeAs(truth_->model(), feed_.places().value().Positions());
 }
 
 void OperatorPage::AwaitVisitor(const volatile bool& interrupted) const {

@@ -315,12 +315,6 @@ Motion MotionOf(const scenario::Scenario& scenario, const scenario::RobotData& r
           .loop = scenario.loop};
 }
 
-reference::Trajectory PlanFrom(const JointVector& start, const scenario::Scenario& scenario,
-                               const scenario::RobotData& robot, const RunFiles& files,
-                               planning::PlanStatistics& statistics) {
-  return PlanMotion(scenario, robot, start, MakePlant(scenario, robot, files), statistics);
-}
-
 RobotPlan MakeRobotPlan(const scenario::Scenario& scenario, const Catalogue& catalogue,
                         const RunFiles& files) {
   scenario.Validate();
@@ -339,7 +333,7 @@ Plan MakePlan(const scenario::Scenario& scenario, const Catalogue& catalogue,
   std::optional<planning::PlanStatistics> planning;
   reference::Trajectory trajectory =
       scenario.motion.plan
-          ? PlanFrom(*scenario.robot.q_start, scenario, robot, files, planning.emplace())
+          ? PlanMotion(scenario, robot, *scenario.robot.q_start, files, planning.emplace())
           : MakeTrajectory(scenario, robot);
   robot::RobotConfig config = MakeRobotConfig(scenario, robot, files);
   RequireStart(config.q_start, trajectory);

@@ -34,13 +34,6 @@ struct Plan {
 [[nodiscard]] Plan MakePlan(const scenario::Scenario& scenario, const Catalogue& catalogue,
                             const RunFiles& files);
 
-/// As MakePlan, of a planned motion only. @param start  where the arm stands, rad.
-[[nodiscard]] reference::Trajectory PlanFrom(const JointVector& start,
-                                             const scenario::Scenario& scenario,
-                                             const scenario::RobotData& robot,
-                                             const RunFiles& files,
-                                             planning::PlanStatistics& statistics);
-
 /// As MakePlan, of the robot only.
 [[nodiscard]] RobotPlan MakeRobotPlan(const scenario::Scenario& scenario,
                                       const Catalogue& catalogue, const RunFiles& files);
@@ -48,15 +41,13 @@ struct Plan {
 /// Plans the scenario's motion. The same scenario, robot and start give the same one to the bit,
 /// whatever the seed of the plant's options. A random goal is drawn as from robot.q_start.
 /// @param start       where the arm stands, rad.
-/// @param world       what stands around the robot, on what shapes.
 /// @param statistics  filled in.
 /// @pre scenario.motion.plan and scenario.robot.q_start are there.
 /// @throws InputError when start or goal touches something (names the bodies), the goal is out of
 /// reach, or a value is out of range; NoPlanError when no path was found within the budget.
 [[nodiscard]] reference::Trajectory PlanMotion(const scenario::Scenario& scenario,
                                                const scenario::RobotData& robot,
-                                               const JointVector& start,
-                                               const plant::MujocoPlantOptions& world,
+                                               const JointVector& start, const RunFiles& files,
                                                planning::PlanStatistics& statistics);
 
 /// Refuses a motion that leaves the scenario's limits: regions and caps on speed, in every cycle;

@@ -45,7 +45,7 @@ void Run::PlanFromCurrentPosition(const Catalogue& catalogue, const RunFiles& fi
   if (!q || *q == trajectory().start() || !IsNear(*q, trajectory().start())) return;
   motion_ = std::make_unique<PreparedMotion>(
       scenario_, robot(),
-      MotionOf(scenario_, robot(), PlanFrom(*q, scenario_, robot(), files, *plan_)),
+      MotionOf(scenario_, robot(), PlanMotion(scenario_, robot(), *q, files, *plan_)),
       catalogue.controllers);
 }
 

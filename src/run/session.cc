@@ -284,10 +284,11 @@ MotionResult Session::Move(const Motion& motion) {
 
 MotionResult Session::MoveOwn(const scenario::Scenario& scenario, const RunFiles& files) {
   planning::PlanStatistics statistics;
-  Motion motion = MotionOf(
-      scenario, robot(),
-      scenario.motion.plan ? PlanFrom(*scenario.robot.q_start, scenario, robot(), files, statistics)
-                           : MakeTrajectory(scenario, robot()));
+  Motion motion =
+      MotionOf(scenario, robot(),
+               scenario.motion.plan
+                   ? PlanMotion(scenario, robot(), *scenario.robot.q_start, files, statistics)
+                   : MakeTrajectory(scenario, robot()));
   MotionScripts scripts(scenario, connection(), hooks_);
   motion.attend = scripts.Attend();
   return Move(motion);

@@ -43,10 +43,10 @@ class HomeTest : public test::SessionFixture {
     led.robot.q_start = home_;
     session_ = Open(served);
     session_->Begin();
-    MoveHome(*session_, led, served, files_, [&] {
+    MoveHome(*session_, led, served, files_, [&](planning::CollisionWorld& world) {
       Transform X_WB = kIdentityTransform;
       for (std::size_t i = 0; i < p_W.size(); ++i) X_WB[12 + i] = p_W[i];
-      return std::vector{std::pair(std::string("box"), X_WB)};
+      world.Place("box", X_WB);
     });
   }
 
@@ -79,10 +79,7 @@ TEST_F(HomeTest, HandThatHoldsSomethingIsRefused) {
             HandResult::kSuccess);
   ASSERT_EQ(session->Command(hand::Grasp{.width = 0.05, .speed = 0.05, .force = 40}).result,
             HandResult::kSuccess);
-  const PageOperator::FreeBodies none = [] {
-    return std::vector<std::pair<std::string, Transform>>{};
-  };
-  EXPECT_THAT([&] { MoveHome(*session, led, served, files_, none); },
+  EXPECT_THAT([&] { MoveHome(*session, led, served, files_, [](planning::CollisionWorld&) {}); },
               ThrowsMessage<RobotFault>(HasSubstr("the hand holds something")));
 }
 

@@ -185,6 +185,16 @@ class PagesOfTwoRobotsTest(unittest.TestCase):
         stays = operators["left"].lead([0] * 6, lambda message: message["type"] == "state" and message["arm"])["arm"]
         self.assertEqual(stays["mode"], "Idle")
         self.assertLess(max(abs(a - b) for a, b in zip(stays["O_T_EE"], state["left"]["O_T_EE"])), 1e-3)
+        # A way home is planned beside the other arm.
+        operators["right"].client.say("home")
+        sessions = []
+
+        def is_home(message):
+            if message["type"] == "state":
+                sessions.append(message["session"])
+            return "goes home" in sessions and sessions[-1] == "leads"
+        home = operators["right"].lead([0] * 6, is_home)["arm"]
+        self.assertLess(max(abs(a - b) for a, b in zip(home["O_T_EE"], begin)), 5e-3)
 
 
 class StartsPrograms(unittest.TestCase):

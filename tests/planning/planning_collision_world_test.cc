@@ -3,8 +3,10 @@
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <memory>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -19,6 +21,7 @@
 #include "twin/model/self_collision.h"
 #include "twin/model/transform.h"
 #include "twin/onboard/measured_monitor.h"
+#include "twin/plant/shared_model.h"
 
 namespace twin::planning::planning_collision_world_test {
 namespace {
@@ -359,6 +362,22 @@ TEST(CollisionWorldTest, TakesAnotherArmForAnObstacleWhereItIsPut) {
   EXPECT_TRUE(world.IsFree(kReady)) << "the own arm moves, not the other one";
   EXPECT_THAT(MessageOf<InputError>([&] { world.PlaceArm(1, ahead, 0.09); }),
               HasSubstr("another arm"));
+}
+
+TEST(CollisionWorldTest, TakesTheOtherArmsFromTheSceneAsItIs) {
+  const JointVector ahead = Reaching(Down(0.55, 0, 0.4));
+  const std::shared_ptr<const mjModel> scene = plant::CompileArms(Facing());
+  std::vector<double> qpos = plant::InitialPositions(*scene);
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const int joint =
+        mj_name2id(scene.get(), mjOBJ_JOINT, fmt::format("right/panda_joint{}", i + 1).c_str());
+    qpos.at(scene->jnt_qposadr[joint]) = ahead[i];
+  }
+  CollisionWorld world(Facing(), 0);
+  world.PlaceArm(1, kReady, 0.08);
+  world.ArrangeAs(*scene, qpos);
+  EXPECT_TRUE(NamesOf(world.Touches(ahead)).contains({"left/panda_hand", "right/panda_hand"}));
+  EXPECT_TRUE(world.IsFree(kReady)) << "the own arm stays";
 }
 
 TEST(CollisionWorldTest, MovesTheArmThatIsItsOwn) {

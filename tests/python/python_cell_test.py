@@ -1,6 +1,7 @@
 """Several robots in one scene: one time, functions together, and the bits of a run."""
 
 import json
+import math
 import os
 import pathlib
 import re
@@ -345,6 +346,38 @@ class ObjectsOfAll(Folder):
             left.hand.drop_off()
             cell.wait(1)
             self.assertLess(right.objects["box"][2, 3], 0.45)
+
+
+class Plans(Folder):
+    """The right arm holds its hand where the shortest way of the left one leads through."""
+
+    BESIDE, BEYOND = turned(-math.pi / 2 - 0.8), turned(-math.pi / 2 + 0.8)
+
+    def test_move_to_keeps_clear_of_where_the_others_are(self):
+        with pt.Cell(keys(gap=0.3)) as cell:
+            left, right = cell.robots["left"], cell.robots["right"]
+            self.assertTrue(left.move_to(self.BESIDE).succeeded)
+            self.assertTrue(right.move_to(turned(math.pi / 2)).succeeded)
+            self.assertTrue(left.move_to(self.BEYOND).succeeded)
+            np.testing.assert_allclose(left.state.q, self.BEYOND, atol=2e-3)
+            np.testing.assert_allclose(right.state.q, turned(math.pi / 2), atol=2e-3)
+            with self.assertRaisesRegex(ValueError, "the goal is in collision: .*left/panda_hand and right/panda_hand"):
+                left.move_to(turned(-math.pi / 2))
+
+    def test_a_planned_motion_keeps_clear_of_where_the_others_start(self):
+        def motion(start, goal):
+            return {"robot": {**robot(0)["robot"], "q_start": {"unit": "rad", "values": start}},
+                    "motion": {"plan": {"goal": {"q": {"unit": "rad", "values": goal}}}}}
+        left, right = motion(self.BESIDE, self.BEYOND), motion(turned(math.pi / 2), turned(math.pi / 2 + 0.01))
+        for one, y in ((left, 0.3), (right, -0.3)):
+            one["robot"]["pose"] = {"position": ["0 m", f"{y} m", "0 m"]}
+        scenario = self.folder / "planned.yaml"
+        scenario.write_text(json.dumps({"name": "planned", "robots": {"left": left, "right": right}}))
+        run(scenario, self.folder / "out")
+        summary = json.loads((self.folder / "out/summary.json").read_text())
+        for one in summary["robots"].values():
+            self.assertEqual((one["outcome"], one["contacts"]["cycles"]), ("success", 0), one)
+        np.testing.assert_allclose(pt.Log(self.folder / "out/left").cycles["q"][-1], self.BEYOND, atol=2e-3)
 
 
 class Openings(Folder):

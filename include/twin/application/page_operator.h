@@ -9,14 +9,13 @@
 #include <string>
 #include <string_view>
 #include <thread>
-#include <utility>
-#include <vector>
 
 #include "twin/core/joint_vector.h"
 #include "twin/core/time.h"
 #include "twin/fci/sockets.h"
 #include "twin/page/live_page.h"
 #include "twin/page/operator_channel.h"
+#include "twin/planning/collision_world.h"
 #include "twin/run/run.h"
 #include "twin/scenario/scenario.h"
 #include "twin/teleop/device.h"
@@ -35,16 +34,16 @@ namespace twin::application {
 class PageOperator {
  public:
   using Tell = std::function<void(Time, std::string_view kind, std::string_view text)>;
-  /// Names and poses (X_WB) of the scene's free bodies, as they are now.
-  using FreeBodies = std::function<std::vector<std::pair<std::string, Transform>>()>;
+  /// Puts free bodies and other arms where they are now.
+  using Arrange = std::function<void(planning::CollisionWorld&)>;
 
   /// Connected components; all must outlive this object.
   struct Parts {
     const run::Catalogue& catalogue;
     run::RunFiles files;
     page::OperatorChannel& channel;
-    FreeBodies bodies;  ///< called on the client's thread
-    double pace = 1;    ///< of a robot served in lockstep: its time over that of the wall clock
+    Arrange arrange;  ///< called on the client's thread
+    double pace = 1;  ///< of a robot served in lockstep: its time over that of the wall clock
   };
 
   /// @param served  the robot's scenario. @param arm, hand  where they are served.

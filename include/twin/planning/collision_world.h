@@ -97,6 +97,10 @@ class CollisionWorld {
   /// @throws InputError if width is not in [0, 0.08] m.
   void PlaceArm(std::size_t arm, const JointVector& q, double width);
 
+  /// Puts the other arms and the free bodies where they are in a model of the same arms and scene.
+  /// @param qpos  of `model`, as a SceneRecord of all arms holds it.
+  void ArrangeAs(const mjModel_& model, std::span<const double> qpos);
+
   /// Attaches a free body of the scene to the flange. It moves with the arm and is checked against
   /// the robot and the scene, but not against the fingers. Only one body at a time; one attached
   /// before returns to its place.

@@ -58,6 +58,9 @@ class ContactWrench {
 /// As they are after the last step; of several arms that share a model too. Threads: the plant's.
 [[nodiscard]] std::vector<std::pair<std::string, Transform>> FreeBodies(const TruthProbe& truth);
 
+/// Generalised positions after the last step. Threads: the plant's.
+[[nodiscard]] std::span<const double> PositionsOf(const TruthProbe& truth);
+
 /// @returns the body of that name, for MujocoPlant::SetMass(). @throws InputError if there is none.
 /// Threads: any. Not real-time.
 [[nodiscard]] int BodyNamed(const mjModel_& model, const std::string& name);

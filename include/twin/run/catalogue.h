@@ -1,9 +1,12 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <span>
 
 #include "twin/backend/registry.h"
 #include "twin/control/registry.h"
+#include "twin/scenario/cell.h"
 #include "twin/teleop/device_registry.h"
 
 namespace twin::run {
@@ -15,12 +18,19 @@ struct Catalogue {
   const teleop::DeviceRegistry* devices = nullptr;  ///< of operators; null: none
 };
 
-/// Folders from which a run reads its files.
+/// The robots of a robot's island, itself among them; default: it is alone.
+struct Neighbours {
+  std::span<const scenario::CellRobot> robots{};
+  std::size_t own = 0;  ///< index
+};
+
+/// What a run has from outside its scenario: folders, and who stands beside its robot.
 struct RunFiles {
   std::filesystem::path models;        ///< DataDirectory::models
   std::filesystem::path mesh_package;  ///< empty: primitive shapes
   std::filesystem::path cache;         ///< of compiled models; empty: none
   bool rebuild_cache = false;
+  Neighbours neighbours{};  ///< that plans keep clear of
 };
 
 }  // namespace twin::run

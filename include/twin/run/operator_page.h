@@ -66,9 +66,9 @@ class OperatorPage {
   /// @returns lines with the page's addresses. @throws as page::LivePage.
   [[nodiscard]] std::string Open(page::PageSettings settings, const scenario::Scenario& scenario,
                                  const Shown& shown);
-  /// Names and poses (X_WB) of the scene's free bodies in the newest scene; empty without
-  /// Shown::truth. Threads: one other than the page's. @pre after Open().
-  [[nodiscard]] std::vector<std::pair<std::string, Transform>> FreeBodies();
+  /// Puts what moves by itself where it is in the newest scene; nothing without Shown::truth.
+  /// @param world  of the same scene. Threads: one other than the page's. @pre after Open().
+  void Arrange(planning::CollisionWorld& world);
   /// Returns when the page has been opened in a browser, or `interrupted`. @pre is_wanted(), after
   /// Open().
   void AwaitVisitor(const volatile bool& interrupted) const;

@@ -1,8 +1,6 @@
 #pragma once
 
-#include <cstddef>
 #include <memory>
-#include <span>
 
 #include "twin/planning/collision_world.h"
 #include "twin/robot/robot_config.h"
@@ -28,14 +26,9 @@ namespace twin::run {
 [[nodiscard]] robot::RobotConfig MakeServedConfig(const scenario::Scenario& scenario,
                                                   const RunFiles& files);
 
-/// The world around a scenario's robot for planning, with the scenario's limits.
-/// @param options  of the robot's configuration. @throws as planning::CollisionWorld.
+/// The world around a scenario's robot for planning, with the scenario's limits. Its neighbours
+/// stand where they start, hands open. @throws as planning::CollisionWorld.
 [[nodiscard]] std::unique_ptr<planning::CollisionWorld> MakeWorld(
-    const scenario::Scenario& scenario, const scenario::RobotData& robot,
-    const plant::MujocoPlantOptions& options);
-/// The same among other arms. @param arms, own  as planning::CollisionWorld's.
-[[nodiscard]] std::unique_ptr<planning::CollisionWorld> MakeWorld(
-    const scenario::Scenario& scenario, const scenario::RobotData& robot,
-    std::span<const plant::MujocoPlantOptions> arms, std::size_t own);
+    const scenario::Scenario& scenario, const scenario::RobotData& robot, const RunFiles& files);
 
 }  // namespace twin::run
