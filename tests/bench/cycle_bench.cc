@@ -254,6 +254,11 @@ class MedianReporter final : public benchmark::ConsoleReporter {
 };
 
 int Verdict(const MedianReporter& reporter) {
+  for (const char* name : {"BareMjStep", "IntAlone", "WholeCycle", "RecordedCycle", "PairCycle"}) {
+    if (reporter.seconds_per_item.contains(name)) continue;
+    std::fprintf(stderr, "cycle_bench: no ratios without %s; leave --benchmark_filter out\n", name);
+    return 2;
+  }
   const double step = reporter.seconds_per_item.at("BareMjStep");
   const double int_share = reporter.seconds_per_item.at("IntAlone") / step;
   const double cycle = reporter.seconds_per_item.at("WholeCycle");

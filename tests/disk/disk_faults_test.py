@@ -106,14 +106,15 @@ class Call:
         return self.name in ("close", "fsync") and self.path.suffix == ".partial" and self.path.is_relative_to(out)
 
 
-def whole_chunks(log):
-    """How many chunks (records of kind 6) of an MCAP file are there to their end."""
-    count, at = 0, len(MAGIC)
+def span_of_whole_chunks(log):
+    """First and last time (ns) in those chunks (records of kind 6) of an MCAP file that are there to their end; None without any."""
+    spans, at = [], len(MAGIC)
     while at + 9 <= len(log):
         end = at + 9 + int.from_bytes(log[at + 1:at + 9], "little")
-        count += log[at] == 6 and end <= len(log)
+        if log[at] == 6 and end <= len(log):
+            spans.append([int.from_bytes(log[at + from_there:at + from_there + 8], "little") for from_there in (9, 17)])
         at = end
-    return count
+    return (spans[0][0], spans[-1][1]) if spans else None
 
 
 class DiskFaultsTest(unittest.TestCase):
@@ -206,9 +207,12 @@ class DiskFaultsTest(unittest.TestCase):
             return
         tables = self.folder / "tables"
         done = self.call("export", path, "--out", tables, "--quiet")
-        if whole_chunks(text) > 0:
+        if span := span_of_whole_chunks(text):
             self.assertEqual(done.returncode, 0, done.stderr)
-            self.assertGreater((tables / "cycles.csv").read_text().count("\n"), 100)
+            cycles = (tables / "cycles.csv").read_text().splitlines()
+            self.assertEqual(cycles[0].split(",")[0], "at_ns")
+            self.assertAlmostEqual(int(cycles[-1].split(",")[0]), span[1], delta=3e6, msg="the last cycle of the last whole chunk")
+            self.assertGreater(len(cycles), (span[1] - span[0]) / 1e6, "a row per cycle")
         else:
             self.assertIn(done.returncode, (0, 3), done.stderr)
         shutil.rmtree(tables, ignore_errors=True)

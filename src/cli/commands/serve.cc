@@ -112,7 +112,8 @@ void AddServe(CLI::App& app, Program& program) {
       "With --log-split: keep the newest N ended files and remove older ones (default: keep all)");
   Add(serve, "--capture FILE", flags.capture, "Keep what goes over the wire (pcapng; see decode)");
   Add(serve, "--control FILE", flags.control,
-      "Let programs on this machine pause, step and stop the robot over this Unix socket (see ctl)");
+      "Let programs on this machine pause, step and stop the robot over this Unix socket (see ctl); "
+      "of several robots each has its own: FILE.left");
   AddPage(serve, flags.page);
   AddRos(serve, flags.ros);
   Add(serve, "--for S", flags.seconds, "End after so long");
