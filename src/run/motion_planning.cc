@@ -124,7 +124,6 @@ std::string HeldBody(planning::CollisionWorld& world, const JointVector& q,
 void ArrangeAsNow(const Session& session, const RobotState& state,
                   planning::CollisionWorld& world) {
   world.Detach();
-  const auto bodies = session.Bodies();
   if (const plant::TruthProbe* truth = session.connection().truth) {
     const plant::TruthProbe& scene = truth->whole();
     world.ArrangeAs(scene.model(), plant::PositionsOf(scene));
@@ -134,6 +133,7 @@ void ArrangeAsNow(const Session& session, const RobotState& state,
   const HandState now = hand->ReadState();
   world.SetHandWidth(std::clamp(now.width, 0.0, kHandStroke));
   if (!now.is_grasped) return;
+  const auto bodies = session.Bodies();
   const std::string held = HeldBody(world, state.q_d, bodies);
   if (held.empty()) return;
   const Transform O_T_F = model::ArmModel::Panda().Pose(model::Frame::kFlange, state.q);
