@@ -15,6 +15,7 @@
 #include "twin/model/arm_model.h"
 #include "twin/model/transform.h"
 #include "twin/planning/random_goal.h"
+#include "twin/plant/observers.h"
 #include "twin/run/plan_to.h"
 #include "twin/run/robot_config.h"
 #include "twin/run/run.h"
