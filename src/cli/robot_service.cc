@@ -12,6 +12,25 @@
 #include "twin/server/served_robot.h"
 
 namespace twin::cli {
+namespace {
+
+void RequireRosTime(const ServeFlags& flags) {
+  if (!flags.ros.wanted) return;
+  const application::ServeDrive drive = application::DriveOf(flags);
+  const bool is_unpaced = drive.is_lockstep() && !drive.pace;
+  const bool steps = flags.ros.lockstep_hz.has_value();
+  if (steps && !(is_unpaced && flags.FreezesWhenIdle())) {
+    throw InputError(
+        "--ros-lockstep: time stands by --drive lockstep --idle freeze, without --pace: say so");
+  }
+  if (is_unpaced && !steps) {
+    throw InputError(
+        "--ros: a robot served in lockstep is as fast as programs answer, and ROS nodes do not "
+        "answer states: serve it with --pace 1");
+  }
+}
+
+}  // namespace
 
 application::ServeHost HostOf(const ServeFlags& flags, const Program& program) {
   application::ServeHost host;
@@ -28,6 +47,7 @@ RobotService::RobotService(ServeFlags flags, application::ServeHost host, const 
       program_(program),
       tell_(std::move(tell)),
       is_among_others_(host.place != nullptr) {
+  RequireRosTime(flags_);  // before the session takes addresses
   host.tell = [this](std::string_view line) {
     tell_(robot_time_.seconds(), line);
     page_->Tell("server", line);
@@ -54,7 +74,6 @@ record::RecordSink* RobotService::MakePage(record::RecordSink* records) {
 }
 
 std::string RobotService::Open() {
-  RequireRosTime();
   if (ros_ != nullptr) ros_->Watch(*session_);
   std::string text = OpenPage();
   if (flags_.control) {
@@ -118,20 +137,6 @@ void RobotService::PressUserStop(bool pressed) {
     session_->robot().PressUserStop(pressed);
   } catch (const Error& error) {
     page_->Tell("error", error.what());
-  }
-}
-
-void RobotService::RequireRosTime() const {
-  if (!flags_.ros.wanted) return;
-  const bool steps = flags_.ros.lockstep_hz.has_value();
-  if (steps && !(is_unpaced() && flags_.FreezesWhenIdle())) {
-    throw InputError(
-        "--ros-lockstep: time stands by --drive lockstep --idle freeze, without --pace: say so");
-  }
-  if (is_unpaced() && !steps) {
-    throw InputError(
-        "--ros: a robot served in lockstep is as fast as programs answer, and ROS nodes do not "
-        "answer states: serve it with --pace 1");
   }
 }
 

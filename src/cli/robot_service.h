@@ -60,7 +60,8 @@ class RobotService {
   /// one at a time.
   using Tell = std::function<void(double at_s, std::string_view line)>;
 
-  /// @param host  short of sink and tell. @throws as application::ServedSession.
+  /// @param host  short of sink and tell. @throws as application::ServedSession; InputError where
+  ///   time does not pass as ROS nodes need it.
   RobotService(ServeFlags flags, application::ServeHost host, const Program& program, Tell tell);
   ~RobotService();
   RobotService(const RobotService&) = delete;
@@ -69,7 +70,7 @@ class RobotService {
   [[nodiscard]] application::ServedSession& session() noexcept { return *session_; }
 
   /// Opens the page and the control channel, and lets the ROS 2 graph see the robot's first cycle.
-  /// @returns lines for users. @throws InputError where time does not pass as ROS nodes need it.
+  /// @returns lines for users.
   [[nodiscard]] std::string Open();
   /// What the robot is and how it is reached: lines. Puts it into the ROS 2 graph.
   /// @pre the robot's time runs.
@@ -91,7 +92,6 @@ class RobotService {
   /// The same clock as the control channel's pause and resume.
   [[nodiscard]] page::RunClock RunClock();
   void PressUserStop(bool pressed);
-  void RequireRosTime() const;
   [[nodiscard]] bool is_unpaced() const {
     return session_->drive().is_lockstep() && !session_->drive().pace;
   }

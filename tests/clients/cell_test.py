@@ -67,13 +67,15 @@ class CellTest(unittest.TestCase):
                 summary = json.loads((pathlib.Path(folder) / name / "summary.json").read_text())
                 self.assertGreaterEqual(len(summary["motions"]), 3)
 
-    def test_refuses_what_is_of_one_robot(self):
-        for options, what in ((("--capture", "wire.pcapng"), "--capture"), (("--idle", "freeze", "--drive", "lockstep"), "--idle freeze"),
-                              (("--ros", "--drive", "lockstep"), "--ros")):
-            done = subprocess.run([PROGRAM, "serve", SOURCE / "tests/clients/two_arms.yaml", "--data", SOURCE / "models", *options],
-                                  capture_output=True, text=True, timeout=60)
-            self.assertEqual((done.returncode, done.stderr.count("\n")), (3, 1), done.stderr)
-            self.assertIn(what, done.stderr)
+    def test_refuses_what_is_of_one_robot_before_it_listens(self):
+        scenario = SOURCE / "tests/clients/two_arms.yaml"
+        with TwinServer(PROGRAM, SOURCE, "lockstep", scenario) as served:  # the addresses are taken
+            for options, what in ((("--capture", "wire.pcapng"), "--capture"), (("--idle", "freeze", "--drive", "lockstep"), "--idle freeze"),
+                                  (("--ros", "--drive", "lockstep"), "--ros")):
+                done = subprocess.run([PROGRAM, "serve", scenario, "--bind", served.address, "--data", SOURCE / "models", *options],
+                                      capture_output=True, text=True, timeout=60)
+                self.assertEqual((done.returncode, done.stderr.count("\n")), (3, 1), done.stderr)
+                self.assertIn(what, done.stderr)
 
 
 if __name__ == "__main__":
