@@ -61,6 +61,15 @@ double JointLimits::LowerVelocity(std::size_t joint, double q) const noexcept {
   return -VelocityTowards(*this, joint, q - q_min[joint]);
 }
 
+double JointLimits::VelocityLimit(std::size_t joint, double q, double dq) const noexcept {
+  return std::signbit(dq) ? -LowerVelocity(joint, q) : UpperVelocity(joint, q);
+}
+
+double JointLimits::StillZone(std::size_t joint) const noexcept {
+  const double offset = velocity_offset[joint];
+  return deceleration[joint] == 0 ? 0 : offset * offset / (2 * deceleration[joint]);
+}
+
 void CartesianLimits::Validate() const {
   const auto require = [](const char* kind, const CartesianBound& bound) {
     for (const auto& [field, value] : {std::pair{"dp_max", bound.dp_max},

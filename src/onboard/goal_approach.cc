@@ -19,9 +19,9 @@ JointReference ApproachStep(const JointReference& reference, const JointVector& 
   for (std::size_t i = 0; i < kJoints; ++i) {
     const double q = reference.q_d[i];
     const double e = goal[i] - q;
-    const double bound = e > 0 ? limits.UpperVelocity(i, q) : -limits.LowerVelocity(i, q);
-    const double speed = std::min({dq_most[i], std::sqrt(limits.ddq_max[i] * std::abs(e)),
-                                   kGain * std::abs(e), kShareOfLimit * bound});
+    const double speed =
+        std::min({dq_most[i], std::sqrt(limits.ddq_max[i] * std::abs(e)), kGain * std::abs(e),
+                  kShareOfLimit * limits.VelocityLimit(i, q, e)});
     dq_c[i] = std::copysign(speed, e);
   }
   reference::ClientLimits most;

@@ -18,8 +18,7 @@ void CheckVelocities(RobotError error, const JointReference& next, const JointLi
   for (std::size_t i = 0; i < kJoints; ++i) {
     const double dq = next.dq_d[i];
     const double q = next.q_d[i] - dq * kCycleSeconds;
-    const double limit =
-        std::signbit(dq) ? -limits.LowerVelocity(i, q) : limits.UpperVelocity(i, q);
+    const double limit = limits.VelocityLimit(i, q, dq);
     if (internal::IsWithin(std::abs(dq), limit)) continue;
     found.Add({error, static_cast<std::int8_t>(i), dq, std::copysign(limit, dq), message_id});
     return;

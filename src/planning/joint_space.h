@@ -33,12 +33,13 @@ struct JointBounds {
   JointVector high{};
 };
 
-/// The position limits reduced by a margin. @throws InputError if a joint's range becomes empty.
+/// The position limits reduced by a margin, and by where no motion towards them is possible.
+/// @throws InputError if a joint's range becomes empty.
 inline JointBounds Inside(const JointLimits& limits, double margin) {
   JointBounds bounds{limits.q_min, limits.q_max};
   for (std::size_t i = 0; i < kJoints; ++i) {
-    bounds.low[i] += margin;
-    bounds.high[i] -= margin;
+    bounds.low[i] += margin + limits.StillZone(i);
+    bounds.high[i] -= margin + limits.StillZone(i);
     if (bounds.low[i] < bounds.high[i]) continue;
     throw InputError(
         fmt::format("planning: a margin of {} rad leaves nothing of joint {}'s range [{}, {}] rad",

@@ -6,6 +6,8 @@
 #include <set>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "planning/joint_space.h"
 #include "twin/core/error.h"
 #include "twin/core/time.h"
@@ -30,11 +32,33 @@ constexpr int kSamplesPerWay = 12;
 constexpr double kLeastWay = 0.01;  ///< s; shortest time of a segment
 
 /// Share that a motion uses: 1 is the limit. Stretching its times by this factor gives 1.
-double Load(double dq, double ddq, double dddq, std::size_t joint, const Timing& pace,
-            const JointLimits& limits) {
-  return std::max({dq / (pace.velocity_scale * limits.dq_max[joint]),
+/// @param dq_limit  of the velocity, where it is reached.
+double Load(double dq, double dq_limit, double ddq, double dddq, std::size_t joint,
+            const Timing& pace, const JointLimits& limits) {
+  return std::max({dq / (pace.velocity_scale * dq_limit),
                    std::sqrt(ddq / (pace.acceleration_scale * limits.ddq_max[joint])),
                    std::cbrt(dddq / (pace.jerk_scale * limits.dddq_max[joint]))});
+}
+
+/// Peak velocity of a joint's way from rest to rest in one second, rad/s. Where its limit depends
+/// on the position, what is as close to dq_max as the way comes to the limit.
+double PeakVelocity(double a, double b, std::size_t joint, const JointLimits& limits) {
+  constexpr int kSamples = 256;
+  constexpr double kBetween = 1.001;  // for what lies between the samples
+  double peak = kPeakVelocity * std::abs(b - a);
+  if (limits.deceleration[joint] == 0) return peak;
+  for (int k = 1; k < kSamples; ++k) {
+    const double x = k / static_cast<double>(kSamples);
+    const double q = a + (b - a) * x * x * x * (10 - x * (15 - 6 * x));
+    const double dq = (b - a) * 30 * x * x * (1 - x) * (1 - x);
+    const double share = std::abs(dq) / limits.VelocityLimit(joint, q, dq);
+    peak = std::max(peak, kBetween * share * limits.dq_max[joint]);
+  }
+  if (std::isfinite(peak)) return peak;
+  throw InputError(fmt::format(
+      "planning: joint {} would move from {:.4f} to {:.4f} rad, where the robot permits "
+      "no velocity towards the end of its range; stay {:.4f} rad from its limits",
+      joint + 1, a, b, limits.StillZone(joint)));
 }
 
 /// Time of a segment from rest to rest, s.
@@ -43,8 +67,8 @@ double RestToRestTime(const JointVector& a, const JointVector& b, const Timing& 
   double longest = 0;
   for (std::size_t i = 0; i < kJoints; ++i) {
     const double L = std::abs(b[i] - a[i]);
-    longest = std::max(
-        longest, Load(kPeakVelocity * L, kPeakAcceleration * L, kPeakJerk * L, i, pace, limits));
+    longest = std::max(longest, Load(PeakVelocity(a[i], b[i], i, limits), limits.dq_max[i],
+                                     kPeakAcceleration * L, kPeakJerk * L, i, pace, limits));
   }
   return longest;
 }
@@ -107,8 +131,9 @@ std::vector<double> LoadsOf(const TimedPath& path, const Timing& pace, const Joi
       const auto target = path.trajectory.Sample(begin + k * step);
       for (std::size_t i = 0; i < kJoints; ++i) {
         const double dddq = std::abs(target.ddq[i] - before.ddq[i]) / ToSeconds(step);
-        load = std::max(
-            load, Load(std::abs(target.dq[i]), std::abs(target.ddq[i]), dddq, i, pace, limits));
+        const double dq_limit = limits.VelocityLimit(i, target.q[i], target.dq[i]);
+        load = std::max(load, Load(std::abs(target.dq[i]), dq_limit, std::abs(target.ddq[i]), dddq,
+                                   i, pace, limits));
       }
       before = target;
     }

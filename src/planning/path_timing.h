@@ -19,6 +19,7 @@ struct TimedPath {
 /// Stops at every point and so stays on the straight segments. Each segment is a quintic at the
 /// fastest pace within the shares: over a distance L its peaks are 15/8 L/T, 10/sqrt(3) L/T^2 and
 /// 60 L/T^3.
+/// @throws InputError where a joint would move where its robot permits no velocity.
 /// @param pace  provides the shares. @pre path has two points or more; neighbours differ.
 [[nodiscard]] TimedPath StopAndGo(const std::vector<JointVector>& path,
                                   const reference::Timing& pace, const JointLimits& limits);

@@ -30,11 +30,12 @@ std::optional<std::string> OutOfRange(const JointVector& q, const JointLimits& l
 }
 
 /// Updates the shares of the joint limits used in one step.
-void AddLoads(const JointVector& before, const JointVector& dq, double step_s,
+void AddLoads(const JointVector& q, const JointVector& before, const JointVector& dq, double step_s,
               const JointLimits& limits, const FollowOptions& options, Followed& followed) {
   for (std::size_t i = 0; i < kJoints; ++i) {
-    followed.velocity_load = std::max(
-        followed.velocity_load, std::abs(dq[i]) / (options.velocity_share * limits.dq_max[i]));
+    followed.velocity_load =
+        std::max(followed.velocity_load,
+                 std::abs(dq[i]) / (options.velocity_share * limits.VelocityLimit(i, q[i], dq[i])));
     followed.acceleration_load =
         std::max(followed.acceleration_load, std::abs(dq[i] - before[i]) / step_s /
                                                  (options.acceleration_share * limits.ddq_max[i]));
@@ -76,7 +77,7 @@ std::variant<Followed, std::string> Follow(const reference::PoseTrajectory& pose
     const JointVector dq = model::DampedLeastSquares(motion.J, v, options.alpha);
     for (std::size_t i = 0; i < kJoints; ++i) now[i] += step_s * dq[i];
     if (auto why = OutOfRange(now, limits, options.limit_margin, t)) return std::move(*why);
-    AddLoads(before, dq, step_s, limits, options, followed);
+    AddLoads(now, before, dq, step_s, limits, options, followed);
     followed.q.push_back(now);
     before = dq;
   }

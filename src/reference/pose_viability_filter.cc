@@ -30,6 +30,8 @@ JointLimits Foreseen(JointLimits limits) {
     limits.dq_max[i] *= kForeseen;
     limits.ddq_max[i] *= kForeseen;
     limits.dddq_max[i] *= kForeseen;
+    limits.velocity_offset[i] *= kForeseen;  // and so the whole curve
+    limits.deceleration[i] *= kForeseen * kForeseen;
   }
   return limits;
 }

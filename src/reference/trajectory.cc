@@ -166,6 +166,43 @@ PeakShares SharesOf(const PathExtremes& extremes, const JointLimits& limits) {
           Shares(extremes.dddq, limits.dddq_max)};
 }
 
+/// @param x  since the begin of the segment, s.
+JointTarget At(const QuinticSegment& segment, double x) noexcept {
+  JointTarget target;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const auto& c = segment.c[j];
+    target.q[j] = c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * (c[4] + x * c[5]))));
+    target.dq[j] = c[1] + x * (2 * c[2] + x * (3 * c[3] + x * (4 * c[4] + x * 5 * c[5])));
+    target.ddq[j] = 2 * c[2] + x * (6 * c[3] + x * (12 * c[4] + x * 20 * c[5]));
+  }
+  return target;
+}
+
+/// Where the velocity limit depends on the position: the peaks' shares of it, by sampling, with
+/// room for what lies between the samples.
+void KeepSharesByPosition(const std::vector<QuinticSegment>& segments, const JointLimits& limits,
+                          JointVector& shares) {
+  constexpr double kBetween = 1.001;
+  constexpr std::size_t kSamples = 65536;
+  if (limits.deceleration == JointVector{}) return;
+  const std::size_t each = std::clamp<std::size_t>(kSamples / segments.size(), 16, 512);
+  for (const QuinticSegment& segment : segments) {
+    for (std::size_t k = 1; k <= each; ++k) {
+      const double x = segment.length_s * static_cast<double>(k) / static_cast<double>(each);
+      const JointTarget target = At(segment, x);
+      for (std::size_t j = 0; j < kJoints; ++j) {
+        const double limit = limits.VelocityLimit(j, target.q[j], target.dq[j]);
+        shares[j] = std::max(shares[j], kBetween * std::abs(target.dq[j]) / limit);
+        if (std::isfinite(shares[j])) continue;
+        Refuse(
+            "joint {} moves at {:.4f} rad, where the robot permits no velocity towards the end of "
+            "its range; stay {:.4f} rad from its limits ({}, {}) rad",
+            j + 1, target.q[j], limits.StillZone(j), limits.q_min[j], limits.q_max[j]);
+      }
+    }
+  }
+}
+
 double Largest(const JointVector& values) {
   return *std::max_element(values.begin(), values.end());
 }
@@ -196,8 +233,9 @@ std::vector<Duration> PacedTimes(const std::vector<Waypoint>& waypoints,
   double factor = 1;
   std::vector<Duration> knots = Stretched(waypoints, times_s, factor);
   for (int round = 0; round < kRounds; ++round) {
-    const auto peaks =
-        SharesOf(internal::FindExtremes(internal::FitSpline(waypoints, knots)), limits);
+    const std::vector<QuinticSegment> segments = internal::FitSpline(waypoints, knots);
+    PeakShares peaks = SharesOf(internal::FindExtremes(segments), limits);
+    KeepSharesByPosition(segments, limits, peaks.velocity);
     const double needed =
         StretchTo(peaks, timing.velocity_scale, timing.acceleration_scale, timing.jerk_scale) /
         kAdmissibleShare;
@@ -296,6 +334,7 @@ Trajectory::Trajectory(const std::vector<Waypoint>& waypoints, const Timing& tim
   peaks_ = SharesOf(extremes, limits);
   CheckRange(extremes, waypoints, limits);
   CheckRates(extremes, peaks_, segments_, waypoints, limits);
+  KeepSharesByPosition(segments_, limits, peaks_.velocity);
   duration_ = knots.back();
   start_ = waypoints.front().q;
   goal_ = waypoints.back().q;
@@ -308,15 +347,7 @@ JointTarget Trajectory::Sample(Duration t) const noexcept {
       std::upper_bound(segments_.begin(), segments_.end(), t,
                        [](Duration at, const QuinticSegment& s) { return at < s.begin; });
   const QuinticSegment& segment = *std::prev(next);
-  const double x = ToSeconds(t - segment.begin);
-  JointTarget target;
-  for (std::size_t j = 0; j < kJoints; ++j) {
-    const auto& c = segment.c[j];
-    target.q[j] = c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * (c[4] + x * c[5]))));
-    target.dq[j] = c[1] + x * (2 * c[2] + x * (3 * c[3] + x * (4 * c[4] + x * 5 * c[5])));
-    target.ddq[j] = 2 * c[2] + x * (6 * c[3] + x * (12 * c[4] + x * 20 * c[5]));
-  }
-  return target;
+  return At(segment, ToSeconds(t - segment.begin));
 }
 
 }  // namespace twin::reference

@@ -7,8 +7,13 @@
 namespace twin::reference {
 
 AxisBounds BoundsOf(const JointLimits& limits, std::size_t joint) {
-  return {limits.q_min[joint], limits.q_max[joint], limits.dq_max[joint], limits.ddq_max[joint],
-          limits.dddq_max[joint]};
+  return {.q_min = limits.q_min[joint],
+          .q_max = limits.q_max[joint],
+          .dq_max = limits.dq_max[joint],
+          .ddq_max = limits.ddq_max[joint],
+          .dddq_max = limits.dddq_max[joint],
+          .velocity_offset = limits.velocity_offset[joint],
+          .deceleration = limits.deceleration[joint]};
 }
 
 ViabilityFilter::ViabilityFilter(const JointLimits& limits, int lost) {

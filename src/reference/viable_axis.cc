@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -22,7 +23,9 @@ AxisBounds KeptOf(const AxisBounds& given) {
           .q_max = given.q_max - kInside,
           .dq_max = given.dq_max * (1 - kInside),
           .ddq_max = given.ddq_max * (1 - kInside),
-          .dddq_max = given.dddq_max * (1 - kInside)};
+          .dddq_max = given.dddq_max * (1 - kInside),
+          .velocity_offset = given.velocity_offset,
+          .deceleration = given.deceleration};
 }
 
 void RequireSound(const AxisBounds& bounds, int lost, std::string_view name) {
@@ -33,6 +36,12 @@ void RequireSound(const AxisBounds& bounds, int lost, std::string_view name) {
         bounds.q_min < bounds.q_max)) {
     throw InputError(fmt::format("viability filter: {}: the range [{}, {}] rad is none", name,
                                  bounds.q_min, bounds.q_max));
+  }
+  for (const auto& [field, value] : {std::pair{"velocity_offset", bounds.velocity_offset},
+                                     {"deceleration", bounds.deceleration}}) {
+    if (std::isfinite(value) && value >= 0) continue;
+    throw InputError(
+        fmt::format("viability filter: {}: {} is {}; it must not be negative", name, field, value));
   }
   RequireLost(lost);
 }
@@ -55,6 +64,12 @@ ViableAxis::ViableAxis(const AxisBounds& bounds, int lost, std::string_view name
   rounds_ = static_cast<int>(rounds);
   longest_way_ = ReachOf(kept_.dq_max, kept_.ddq_max).q;
   least_range_ = ReachOf(0, kept_.ddq_max).q;
+  if (kept_.deceleration > 0) {
+    // At each end nothing moves towards it, not by rounding either.
+    const double still = kept_.velocity_offset * kept_.velocity_offset / (2 * kept_.deceleration);
+    const double gathered = ReachOf(0, kept_.ddq_max).dq;
+    least_range_ = std::max(least_range_, still) + std::max(ReachOf(gathered, 0).q, still);
+  }
   RequireNoConflict(name);
 }
 
@@ -93,21 +108,49 @@ double ViableAxis::JerkToVelocity(const AxisState& x, double dq_c) noexcept {
   return ((dq_c - x.dq) / kT - x.ddq) / kT;
 }
 
+double ViableAxis::NeedOfStep(double dq) const noexcept {
+  if (!(dq > 0)) return 0;
+  const double v = dq + kept_.velocity_offset;
+  return v * v / (2 * kept_.deceleration);
+}
+
+double ViableAxis::NeedOfHeld(double dq, double ddq) const noexcept {
+  const double step = kT * ddq;
+  const auto need = [&](double i) {
+    return kT * (i - 1) * (dq + step * i / 2) + NeedOfStep(dq + step * i);
+  };
+  if (ddq >= 0) return lost_ > 0 ? need(lost_) : 0;
+  const double last = std::min<double>(lost_, std::ceil(-dq / step) - 1);  // that still rises
+  if (last < 1) return 0;
+  double most = std::max(need(1), need(last));
+  // Gentler than the limit shrinks, the need is a parabola that is open downwards.
+  const double share = ddq / kept_.deceleration;
+  if (share <= -1) return most;
+  const double peak =
+      std::floor((step / 2 - dq - (dq + kept_.velocity_offset) * share) / (step * (1 + share)));
+  for (const double i : {peak, peak + 1}) most = std::max(most, need(std::clamp(i, 1.0, last)));
+  return most;
+}
+
 ViableAxis::Reach ViableAxis::ReachOf(double dq, double ddq) const noexcept {
   const double n = lost_;
+  const bool shrinks = kept_.deceleration > 0;
   Reach reach{0, dq};
+  if (shrinks && dq > 0) reach.q = std::max(0.0, NeedOfStep(dq) - kT * dq);
   double q = 0;
   for (int round = 0; round < rounds_ && (dq > 0 || ddq > 0); ++round) {
     if (ddq < 0 && dq > 0) {  // the highest point may be in the held cycles
       const double peak = std::min(n, std::floor(-dq / (kT * ddq)));
       reach.q = std::max(reach.q, q + kT * peak * (dq + kT * ddq * (peak + 1) / 2));
     }
+    if (shrinks) reach.q = std::max(reach.q, q + NeedOfHeld(dq, ddq));
     q += kT * n * (dq + kT * ddq * (n + 1) / 2);
     dq += kT * n * ddq;
     reach.q = std::max(reach.q, q);
     reach.dq = std::max(reach.dq, dq);
     ddq = std::max(ddq - kT * kept_.dddq_max, -kept_.ddq_max);
     dq += kT * ddq;
+    if (shrinks) reach.q = std::max(reach.q, q + NeedOfStep(dq));
     q += kT * dq;
     reach.q = std::max(reach.q, q);
     reach.dq = std::max(reach.dq, dq);

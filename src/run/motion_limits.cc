@@ -134,9 +134,8 @@ void RequireVelocitiesByPosition(const JointLimits& limits, const Motion& motion
     const reference::JointTarget target = motion.trajectory.Sample(t);
     for (std::size_t i = 0; i < kJoints; ++i) {
       const double dq = target.dq[i];
-      const double bound =
-          dq > 0 ? limits.UpperVelocity(i, target.q[i]) : limits.LowerVelocity(i, target.q[i]);
-      if (std::abs(dq) <= std::abs(bound) * (1 + kRounding)) continue;
+      const double bound = limits.VelocityLimit(i, target.q[i], dq);
+      if (std::abs(dq) <= bound * (1 + kRounding)) continue;
       throw InputError(fmt::format(
           "motion: {}: joint {} moves at {:.4f} rad/s; the robot permits {:.4f} where it is, at "
           "{:.4f} rad in a range of {:.4f} to {:.4f}; give the motion more time, or stay further "

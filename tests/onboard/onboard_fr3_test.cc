@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "model/model_samples.h"
+#include "support/fr3_limits.h"
 #include "support/panda_limits.h"
 #include "twin/core/time.h"
 #include "twin/onboard/accelerometers.h"
@@ -20,15 +21,7 @@
 namespace twin::onboard::onboard_fr3_test {
 namespace {
 
-/// An FR3's limits of joints, up to what counts here.
-JointLimits Fr3Limits() {
-  JointLimits limits = test::PandaLimits();
-  limits.ddq_max.fill(10);
-  limits.dddq_max.fill(5000);
-  limits.velocity_offset.fill(0.3);
-  limits.deceleration.fill(6);
-  return limits;
-}
+using test::Fr3Limits;
 
 OnboardConfig Config() {
   OnboardConfig config;

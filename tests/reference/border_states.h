@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "reference/hostile_world.h"
 #include "support/panda_limits.h"
 #include "twin/core/random.h"
 #include "twin/core/time.h"
@@ -11,15 +12,19 @@
 
 namespace twin::reference {
 
+[[nodiscard]] inline ViableAxis AxisOf(const JointLimits& limits, std::size_t joint, int lost) {
+  return ViableAxis(BoundsOf(limits, joint), lost, "joint");
+}
+
 [[nodiscard]] inline ViableAxis PandaAxis(std::size_t joint, int lost) {
-  return ViableAxis(BoundsOf(test::PandaLimits(), joint), lost, "joint");
+  return AxisOf(test::PandaLimits(), joint, lost);
 }
 
 /// The worst way upwards, cycle by cycle, without the closed form: n losses, hardest braking, and
 /// again, until it no longer rises. @returns whether the upper bounds were kept all along.
 [[nodiscard]] inline bool WalksBelowUpper(AxisState x, const ViableAxis& axis) {
   const AxisBounds& b = axis.kept();
-  const auto within = [&] { return x.q <= b.q_max && x.dq <= b.dq_max; };
+  const auto within = [&] { return x.q <= b.q_max && x.dq <= b.dq_max && KeepsVelocity(x, b); };
   if (!within()) return false;
   while (x.dq > 0 || x.ddq > 0) {
     for (int i = 0; i < axis.lost(); ++i) {
@@ -30,10 +35,6 @@ namespace twin::reference {
     if (!within()) return false;
   }
   return true;
-}
-
-[[nodiscard]] inline AxisState Mirrored(const AxisState& x, const AxisBounds& b) {
-  return {b.q_min + b.q_max - x.q, -x.dq, -x.ddq};
 }
 
 /// States of which most are near the border of the viable set.

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "twin/core/random.h"
+#include "twin/core/time.h"
 #include "twin/reference/viable_axis.h"
 
 namespace twin::reference {
@@ -47,11 +48,23 @@ class HostileWorld {
   int run_ = 0;
 };
 
+/// Whether a step may end with a velocity towards q_max: by the position at its begin.
+[[nodiscard]] inline bool KeepsVelocity(const AxisState& x, const AxisBounds& b) {
+  if (b.deceleration == 0 || x.dq <= 0) return true;
+  const double left = b.q_max - (x.q - kCycleSeconds * x.dq);
+  return left >= 0 && x.dq <= std::sqrt(2 * b.deceleration * left) - b.velocity_offset;
+}
+
+[[nodiscard]] inline AxisState Mirrored(const AxisState& x, const AxisBounds& b) {
+  return {b.q_min + b.q_max - x.q, -x.dq, -x.ddq};
+}
+
 /// The bounds as a robot checks them, to a billionth of each.
 [[nodiscard]] inline bool KeepsGiven(const AxisState& x, double jerk, const AxisBounds& b) {
   constexpr double kRelative = 1 + 1e-9;
   return x.q <= b.q_max + 1e-9 && x.q >= b.q_min - 1e-9 && std::abs(x.dq) <= b.dq_max * kRelative &&
-         std::abs(x.ddq) <= b.ddq_max * kRelative && std::abs(jerk) <= b.dddq_max * kRelative;
+         std::abs(x.ddq) <= b.ddq_max * kRelative && std::abs(jerk) <= b.dddq_max * kRelative &&
+         KeepsVelocity(x, b) && KeepsVelocity(Mirrored(x, b), b);
 }
 
 }  // namespace twin::reference

@@ -12,6 +12,7 @@
 #include "reference/all_words.h"
 #include "reference/border_states.h"
 #include "reference/hostile_world.h"
+#include "support/fr3_limits.h"
 #include "support/panda_limits.h"
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
@@ -24,10 +25,26 @@ namespace {
 
 constexpr double kT = kCycleSeconds;
 
-TEST(ViableAxisTest, TheClosedFormIsTheWorstWayCycleByCycle) {
+/// Joints of the Panda, and of the FR3, whose velocity limit shrinks towards the ends of the range.
+class ViableAxisOfTest : public ::testing::TestWithParam<JointLimits> {
+ protected:
+  [[nodiscard]] static AxisBounds Bounds(std::size_t joint) { return BoundsOf(GetParam(), joint); }
+  [[nodiscard]] static ViableAxis Axis(std::size_t joint, int lost) {
+    return AxisOf(GetParam(), joint, lost);
+  }
+};
+
+std::string RobotOf(const ::testing::TestParamInfo<JointLimits>& tested) {
+  return tested.index == 0 ? "Panda" : "Fr3";
+}
+
+INSTANTIATE_TEST_SUITE_P(Robots, ViableAxisOfTest,
+                         ::testing::Values(test::PandaLimits(), test::Fr3Limits()), RobotOf);
+
+TEST_P(ViableAxisOfTest, TheClosedFormIsTheWorstWayCycleByCycle) {
   for (const int lost : {0, 3, 19, 20}) {
     for (std::size_t joint = 0; joint < kJoints; ++joint) {
-      const ViableAxis axis = PandaAxis(joint, lost);
+      const ViableAxis axis = Axis(joint, lost);
       States states(axis, 1);
       int viable = 0;
       for (int i = 0; i < 400; ++i) {
@@ -46,24 +63,26 @@ TEST(ViableAxisTest, TheClosedFormIsTheWorstWayCycleByCycle) {
   }
 }
 
-TEST(ViableAxisTest, FromAViableStateAJerkLeadsToAnother) {
+TEST_P(ViableAxisOfTest, FromAViableStateAJerkLeadsToAnother) {
   for (const int lost : {0, 3, 19}) {
-    const ViableAxis axis = PandaAxis(3, lost);
-    States states(axis, 2);
-    int seen = 0;
-    for (int i = 0; i < 600; ++i) {
-      AxisState x = states.Next();
-      if (axis.Margin(x) < 1e-10) continue;
-      ++seen;
-      for (int k = 0; k <= lost; ++k) {
-        const JerkRange range = axis.Admissible(x);
-        ASSERT_FALSE(range.empty()) << "after " << k << " losses";
-        EXPECT_GE(axis.Margin(ViableAxis::Step(x, range.lowest)), -1e-12);
-        EXPECT_GE(axis.Margin(ViableAxis::Step(x, range.highest)), -1e-12);
-        x = ViableAxis::Step(x, 0);
+    for (const std::size_t joint : {1U, 3U, 4U}) {
+      const ViableAxis axis = Axis(joint, lost);
+      States states(axis, 2);
+      int seen = 0;
+      for (int i = 0; i < 600; ++i) {
+        AxisState x = states.Next();
+        if (axis.Margin(x) < 1e-10) continue;
+        ++seen;
+        for (int k = 0; k <= lost; ++k) {
+          const JerkRange range = axis.Admissible(x);
+          ASSERT_FALSE(range.empty()) << "after " << k << " losses";
+          EXPECT_GE(axis.Margin(ViableAxis::Step(x, range.lowest)), -1e-12);
+          EXPECT_GE(axis.Margin(ViableAxis::Step(x, range.highest)), -1e-12);
+          x = ViableAxis::Step(x, 0);
+        }
       }
+      EXPECT_GT(seen, 100);
     }
-    EXPECT_GT(seen, 100);
   }
 }
 
@@ -124,11 +143,11 @@ TEST(ViableAxisTest, NoCommandDoesInStatesThatMustBrakeOppositeWays) {
   }
 }
 
-TEST(ViableAxisTest, KeepsItsBoundsWhateverIsWishedAndLost) {
+TEST_P(ViableAxisOfTest, KeepsItsBoundsWhateverIsWishedAndLost) {
   for (const int lost : {0, 1, 3, 19, 20}) {
     for (std::size_t joint = 0; joint < kJoints; ++joint) {
-      const AxisBounds bounds = BoundsOf(test::PandaLimits(), joint);
-      const ViableAxis axis = PandaAxis(joint, lost);
+      const AxisBounds bounds = Bounds(joint);
+      const ViableAxis axis = Axis(joint, lost);
       HostileWorld world(lost, 100 * static_cast<std::uint64_t>(lost) + joint);
       AxisState x{(bounds.q_min + bounds.q_max) / 2, 0, 0};
       double nearest = 1;
@@ -216,6 +235,10 @@ TEST(ViableAxisTest, BoundsOfAnyKindAreRefusedOrKept) {
     };
     const int lost = static_cast<int>(20 * random.Uniform(trial, 1));
     AxisBounds bounds{-50, 50, between(0.05, 5, 2), between(1, 50, 3), between(100, 50000, 4)};
+    if (trial % 2 == 1) {
+      bounds.deceleration = between(0.5, 50, 6);
+      bounds.velocity_offset = between(0.01, 1, 7);
+    }
     if (!RefusalOf(bounds, lost).empty()) {  // its speed
       ++refused;
       continue;
@@ -234,7 +257,12 @@ TEST(ViableAxisTest, BoundsOfAnyKindAreRefusedOrKept) {
     for (int k = 0; k < 3000; ++k) {
       const double jerk = world.Loses() ? 0 : axis.Nearest(x, world.Wish(x, bounds));
       x = ViableAxis::Step(x, jerk);
-      ASSERT_TRUE(KeepsGiven(x, jerk, bounds)) << "trial " << trial << ", cycle " << k;
+      ASSERT_TRUE(KeepsGiven(x, jerk, bounds))
+          << "trial " << trial << ", cycle " << k << ": " << x.q << " " << x.dq << " " << x.ddq
+          << " jerk " << jerk << " of " << bounds.q_max << " " << bounds.q_min << " v "
+          << bounds.dq_max << " a " << bounds.ddq_max << " j " << bounds.dddq_max << " o "
+          << bounds.velocity_offset << " d " << bounds.deceleration << " n " << lost << " margin "
+          << axis.Margin(x);
     }
   }
   EXPECT_GT(kept, 30);
@@ -258,6 +286,9 @@ TEST(ViableAxisTest, RefusesWhatIsNoBound) {
   bad = good;
   bad.dddq_max = 1e-9;
   EXPECT_NE(RefusalOf(bad, 19), "");
+  bad = good;
+  bad.deceleration = -1;
+  EXPECT_NE(RefusalOf(bad, 19).find("deceleration"), std::string::npos);
 }
 
 TEST(ViabilityFilterTest, WhatIsAdmissiblePassesBitByBit) {

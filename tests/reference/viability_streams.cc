@@ -1,8 +1,8 @@
 // Drives the viability filter with hostile wishes and losses for as many joint-cycles as are asked
 // for: viability_streams [--cycles N] [--seed S]. Each joint of the Panda with n of 0, 3, 19 and 20
-// gets its share; then all joints of late clients, with one and two commands in flight, a tenth of
-// it more. Exits with 1 at the first limit that is broken, and says where; and when a joint
-// never came near its border, for then nothing was shown.
+// gets its share, and one of the FR3 a quarter more; then all joints of late clients, with one and
+// two commands in flight, a tenth of it more. Exits with 1 at the first limit that is broken, and
+// says where; and when a joint never came near its border, for then nothing was shown.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -12,6 +12,7 @@
 
 #include "reference/hostile_world.h"
 #include "reference/late_world.h"
+#include "support/fr3_limits.h"
 #include "support/panda_limits.h"
 #include "twin/reference/viability_filter.h"
 
@@ -21,8 +22,9 @@ namespace {
 constexpr int kLosses[] = {0, 3, 19, 20};
 
 /// @returns whether the bounds were kept, and the border was reached.
-bool Drive(std::size_t joint, int lost, std::uint64_t cycles, std::uint64_t seed) {
-  const AxisBounds bounds = BoundsOf(test::PandaLimits(), joint);
+bool Drive(const JointLimits& limits, std::size_t joint, int lost, std::uint64_t cycles,
+           std::uint64_t seed) {
+  const AxisBounds bounds = BoundsOf(limits, joint);
   const ViableAxis axis(bounds, lost, "joint");
   HostileWorld world(lost, seed);
   AxisState x{(bounds.q_min + bounds.q_max) / 2, 0, 0};
@@ -75,10 +77,11 @@ int Run(std::uint64_t cycles, std::uint64_t seed) {
   const unsigned long long of_all = each * kJoints;
   for (const int lost : kLosses) {
     for (std::size_t joint = 0; joint < kJoints; ++joint) {
-      if (!Drive(joint, lost, each, seed + 1000 * static_cast<std::uint64_t>(lost) + joint))
-        return 1;
+      const std::uint64_t own = seed + 1000 * static_cast<std::uint64_t>(lost) + joint;
+      if (!Drive(test::PandaLimits(), joint, lost, each, own)) return 1;
+      if (!Drive(test::Fr3Limits(), joint, lost, each / 4 + 1, own)) return 1;
     }
-    std::printf("n = %2d: %llu joint-cycles, every limit kept\n", lost, of_all);
+    std::printf("n = %2d: %llu joint-cycles and a quarter of it, every limit kept\n", lost, of_all);
     std::fflush(stdout);
   }
   const std::uint64_t late = cycles / (10 * 2 * kJoints * AllLateWorlds().size()) + 1;

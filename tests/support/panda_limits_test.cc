@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/fr3_limits.h"
 #include "twin/scenario/robot_data.h"
 
 namespace twin::test::panda_limits_test {
@@ -26,9 +27,7 @@ TEST(PandaLimitsTest, OfTheEndEffectorAreThoseOfTheLimitsFile) {
   ExpectSame(typed.elbow, from_file.elbow);
 }
 
-TEST(PandaLimitsTest, AreThoseOfTheLimitsFile) {
-  const JointLimits from_file = scenario::LoadJointLimits(kFile);
-  const JointLimits typed = PandaLimits();
+void ExpectSame(const JointLimits& typed, const JointLimits& from_file) {
   EXPECT_EQ(typed.q_min, from_file.q_min);
   EXPECT_EQ(typed.q_max, from_file.q_max);
   EXPECT_EQ(typed.dq_max, from_file.dq_max);
@@ -36,6 +35,17 @@ TEST(PandaLimitsTest, AreThoseOfTheLimitsFile) {
   EXPECT_EQ(typed.dddq_max, from_file.dddq_max);
   EXPECT_EQ(typed.tau_max, from_file.tau_max);
   EXPECT_EQ(typed.dtau_max, from_file.dtau_max);
+  EXPECT_EQ(typed.velocity_offset, from_file.velocity_offset);
+  EXPECT_EQ(typed.deceleration, from_file.deceleration);
+}
+
+TEST(PandaLimitsTest, AreThoseOfTheLimitsFile) {
+  ExpectSame(PandaLimits(), scenario::LoadJointLimits(kFile));
+}
+
+TEST(Fr3LimitsTest, AreThoseOfTheLimitsFile) {
+  ExpectSame(Fr3Limits(), scenario::LoadJointLimits(std::filesystem::path(TWIN_SOURCE_DIR) /
+                                                    "models/robots/fr3/limits.yaml"));
 }
 
 }  // namespace

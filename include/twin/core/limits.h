@@ -29,6 +29,10 @@ struct JointLimits {
   [[nodiscard]] double UpperVelocity(std::size_t joint, double q) const noexcept;
   /// The same towards q_min, as a negative number.
   [[nodiscard]] double LowerVelocity(std::size_t joint, double q) const noexcept;
+  /// Bound of the magnitude of dq (rad/s) at q, in its direction, rad/s.
+  [[nodiscard]] double VelocityLimit(std::size_t joint, double q, double dq) const noexcept;
+  /// Distance from an end of a joint's range within which it cannot move towards that end, rad.
+  [[nodiscard]] double StillZone(std::size_t joint) const noexcept;
 
   /// @throws InputError naming joint, field and value when a bound is not finite, not positive, or
   /// q_min >= q_max.

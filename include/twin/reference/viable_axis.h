@@ -10,11 +10,13 @@ namespace twin::reference {
 
 /// Bounds of one joint's reference; magnitudes except for the range.
 struct AxisBounds {
-  double q_min = 0;     ///< rad
-  double q_max = 0;     ///< rad
-  double dq_max = 0;    ///< rad/s
-  double ddq_max = 0;   ///< rad/s^2
-  double dddq_max = 0;  ///< rad/s^3
+  double q_min = 0;            ///< rad
+  double q_max = 0;            ///< rad
+  double dq_max = 0;           ///< rad/s
+  double ddq_max = 0;          ///< rad/s^2
+  double dddq_max = 0;         ///< rad/s^3
+  double velocity_offset = 0;  ///< rad/s, as JointLimits::velocity_offset
+  double deceleration = 0;     ///< rad/s^2; zero: dq_max everywhere
 };
 
 /// A joint's reference in the robot.
@@ -47,12 +49,19 @@ struct JerkRange {
 /// bounds is H^n B H^n B ... until v <= 0 and a <= 0. Its rise above its start, P(v, a), does not
 /// depend on q. A state is viable when
 ///   |a| <= A,   q + P(v, a) <= q_max,   speed along that sequence <= V,   and the same mirrored.
+/// Where the velocity limit shrinks towards the ends of the range, P has room for it: see below.
 /// Definitions, lemmas and proofs: src/reference/VIABILITY.md.
 ///
 /// From a viable state some jerk leads to a viable one, for any pattern of up to n consecutive
 /// losses, if upper and lower bounds never bind at once. For this it suffices that
 ///   q_max - q_min >= P(0, A),   V >= velocity gained on the worst sequence from v = 0, a = A.
 /// Other bounds are rejected. No smaller range is enough.
+///
+/// With a deceleration d and an offset o (FR3) the limit of a step from q is U(q) =
+/// min(V, max(0, sqrt(2 d (q_max - q)) - o)). A step to a speed v > 0 then needs q_max to be
+/// (v + o)^2 / (2 d) above its begin, and P is the highest such need of all steps. The condition on
+/// the range becomes q_max - q_min >= P(G, 0) + P(0, A), with G the velocity gained, and each
+/// of the two at least o^2 / (2 d).
 ///
 /// The enforced bounds are a millionth inside the given ones, so that rounding, here or in the
 /// robot, never leads outside.
@@ -101,18 +110,22 @@ class ViableAxis {
   [[nodiscard]] const AxisBounds& kept() const noexcept { return kept_; }
   /// Longest travel from full speed and acceleration, P(V, A), rad.
   [[nodiscard]] double longest_way() const noexcept { return longest_way_; }
-  /// The smallest accepted range, P(0, A), rad, between the enforced bounds.
+  /// The smallest accepted range, rad, between the enforced bounds.
   [[nodiscard]] double least_range() const noexcept { return least_range_; }
 
  private:
   /// Reach of the worst sequence above its start.
   struct Reach {
-    double q = 0;   ///< P, rad, >= 0
+    double q = 0;   ///< P, rad, >= 0: no less than the highest position
     double dq = 0;  ///< highest velocity, rad/s
   };
   enum class Side { kUpper, kLower };
 
   [[nodiscard]] Reach ReachOf(double dq, double ddq) const noexcept;
+  /// What a step to this velocity needs of the range above its begin, rad.
+  [[nodiscard]] double NeedOfStep(double dq) const noexcept;
+  /// The largest need of the held steps from here, above the position here, rad.
+  [[nodiscard]] double NeedOfHeld(double dq, double ddq) const noexcept;
   [[nodiscard]] bool KeepsUpper(const AxisState& x) const noexcept;
   [[nodiscard]] bool Keeps(Side side, const AxisState& x) const noexcept;
   [[nodiscard]] double Braking(Side side, double ddq) const noexcept;
