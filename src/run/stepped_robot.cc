@@ -293,7 +293,8 @@ void SteppedRobot::Impl::Report(std::uint64_t cycles) noexcept {
   report.time = static_cast<double>(cycles_ - begun_) * kCycleSeconds;
   report.is_moving = robot_.mode() == RobotMode::kMove ? 1 : 0;
   RobotErrors errors;
-  for (const Violation& violation : robot_.last_motion().violations.items()) {
+  const robot::LastMotion motion = robot_.last_motion();
+  for (const Violation& violation : motion.violations.items()) {
     errors.set(static_cast<std::size_t>(violation.error));
   }
   report.errors = static_cast<double>(errors.to_ullong());
@@ -311,7 +312,8 @@ void SteppedRobot::Impl::CopyObjects(std::span<double> out) const noexcept {
 
 std::string SteppedRobot::Impl::DescribeErrors() const {
   std::string text;
-  for (const Violation& violation : robot_.last_motion().violations.items()) {
+  const robot::LastMotion motion = robot_.last_motion();
+  for (const Violation& violation : motion.violations.items()) {
     if (!text.empty()) text += ' ';
     text += Describe(violation);
   }

@@ -78,6 +78,13 @@ double UnavoidablePeak(double dq, double ddq, double dddq_max) {
 
 }  // namespace
 
+double FastestFrom(double q, double dq, const JointLimits& limits, std::size_t joint) {
+  if (limits.deceleration[joint] == 0) return limits.dq_max[joint];
+  const double left = dq < 0 ? q - limits.q_min[joint] : limits.q_max[joint] - q;
+  const double braking = std::sqrt(2 * limits.deceleration[joint] * std::max(0.0, left));
+  return std::min(limits.dq_max[joint], std::max(0.0, braking - limits.velocity_offset[joint]));
+}
+
 Finding FindNotFinite(const RobotState& s) {
   return First({FindNotFinite("O_T_EE", s.O_T_EE),
                 FindNotFinite("O_T_EE_d", s.O_T_EE_d),
@@ -159,7 +166,11 @@ Finding FindBeyondLimits(const RobotState& before, const RobotState& after,
     return fmt::format("q_d[{}] is {:.17g}, allowed is [{}, {}]", i, after.q_d[i], limits.q_min[i],
                        limits.q_max[i]);
   }
-  return First({FindBeyond("dq_d", after.dq_d, limits.dq_max, kVelocityNoise),
+  JointVector fastest{};
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    fastest[i] = FastestFrom(before.q_d[i], after.dq_d[i], limits, i);
+  }
+  return First({FindBeyond("dq_d", after.dq_d, fastest, kVelocityNoise),
                 FindBeyond("ddq_d", after.ddq_d, limits.ddq_max, kAccelerationNoise),
                 FindBeyond("dddq_d", Jerk(before, after), limits.dddq_max, kJerkNoise)});
 }

@@ -30,6 +30,10 @@ using Finding = std::optional<std::string>;
 /// The joints' reference moved as its own velocity and acceleration say.
 [[nodiscard]] Finding FindBrokenDifferences(const RobotState& before, const RobotState& after);
 
+/// The largest magnitude that the velocity of a step from q may have in the direction of dq, rad/s:
+/// an FR3's shrinks towards the ends of the range.
+[[nodiscard]] double FastestFrom(double q, double dq, const JointLimits& limits, std::size_t joint);
+
 /// Position, velocity, acceleration and jerk of the joints' reference are within the limits.
 [[nodiscard]] Finding FindBeyondLimits(const RobotState& before, const RobotState& after,
                                        const JointLimits& limits);

@@ -1,9 +1,8 @@
 #include "conformance/step_oracle.h"
 
-#include <algorithm>
-#include <cmath>
 
 #include "conformance/pose_math.h"
+#include "conformance/reference_rules.h"
 #include "twin/core/time.h"
 
 namespace twin::test {
@@ -90,13 +89,8 @@ Quantity VelocityRange(RobotError error, const JointMotion& step, const JointLim
   Quantity range{error, kJoints, step.dq, {}, {}, noise};
   for (std::size_t i = 0; i < kJoints; ++i) {
     const double q = step.q[i] - kT * step.dq[i];
-    const auto most = [&](double distance) {
-      if (limits.deceleration[i] == 0) return limits.dq_max[i];
-      const double braking = distance > 0 ? std::sqrt(2 * limits.deceleration[i] * distance) : 0;
-      return std::min(limits.dq_max[i], std::max(0.0, braking - limits.velocity_offset[i]));
-    };
-    range.low[i] = -most(q - limits.q_min[i]);
-    range.high[i] = most(limits.q_max[i] - q);
+    range.low[i] = -FastestFrom(q, -1, limits, i);
+    range.high[i] = FastestFrom(q, 1, limits, i);
   }
   return range;
 }

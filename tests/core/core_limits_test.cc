@@ -6,6 +6,7 @@
 #include <limits>
 #include <string>
 
+#include "support/fr3_limits.h"
 #include "support/panda_limits.h"
 #include "twin/core/error.h"
 
@@ -45,6 +46,19 @@ TEST(JointLimitsTest, RefusesAPositionThatIsNoNumber) {
   limits = test::PandaLimits();
   limits.q_max[6] = kInfinity;
   EXPECT_THAT(RefusalOf(limits), HasSubstr("joint 7"));
+}
+
+TEST(JointLimitsTest, TheVelocityShrinksTowardsTheEndsWhereItDependsOnThePosition) {
+  const JointLimits fr3 = test::Fr3Limits();
+  EXPECT_EQ(fr3.VelocityLimit(0, 0, 1), 2.62);
+  EXPECT_NEAR(fr3.VelocityLimit(0, fr3.q_max[0] - 0.12, 1), 0.9, 1e-9);
+  EXPECT_EQ(fr3.VelocityLimit(0, fr3.q_max[0] - 0.12, -1), 2.62);
+  EXPECT_NEAR(fr3.VelocityLimit(0, fr3.q_min[0] + 0.12, -1), 0.9, 1e-9);
+  EXPECT_NEAR(fr3.StillZone(0), 0.0075, 1e-12);
+  EXPECT_EQ(fr3.VelocityLimit(0, fr3.q_max[0] - 0.0074, 1), 0);
+  EXPECT_GT(fr3.VelocityLimit(0, fr3.q_max[0] - 0.0076, 1), 0);
+  EXPECT_EQ(test::PandaLimits().StillZone(0), 0);
+  EXPECT_EQ(test::PandaLimits().VelocityLimit(0, 2.8, 1), 2.175);
 }
 
 struct Magnitude {

@@ -32,6 +32,10 @@ Violations Check(const CartesianReference& reference, bool has_elbow = true) {
                             42);
 }
 
+double ValueOf(const Violations& found) {
+  return found.items()[0].value;
+}
+
 std::vector<RobotError> ErrorsOf(const Violations& found) {
   std::vector<RobotError> errors;
   for (const Violation& violation : found.items()) errors.push_back(violation.error);
@@ -182,13 +186,13 @@ TEST(CartesianMonitorTest, ARotationIsOrthonormalWithinATolerance) {
   EXPECT_TRUE(CheckFrame(X, 1).empty());
   X[0] = 1 + 6e-6;
   ASSERT_FALSE(CheckFrame(X, 1).empty());
-  EXPECT_NEAR(CheckFrame(X, 1).items()[0].value, 1.2e-5, 1e-9);
+  EXPECT_NEAR(ValueOf(CheckFrame(X, 1)), 1.2e-5, 1e-9);
   Transform row_major = kIdentityTransform;  // translation where the last row belongs
   row_major[3] = 0.3;
-  EXPECT_NEAR(CheckFrame(row_major, 1).items()[0].value, 0.3, 1e-15);
+  EXPECT_NEAR(ValueOf(CheckFrame(row_major, 1)), 0.3, 1e-15);
   Transform mirrored = kIdentityTransform;
   mirrored[10] = -1;
-  EXPECT_NEAR(CheckFrame(mirrored, 1).items()[0].value, 2, 1e-15);
+  EXPECT_NEAR(ValueOf(CheckFrame(mirrored, 1)), 2, 1e-15);
 }
 
 constexpr StartTolerance kTolerance{.translation_m = 0.05, .rotation_rad = 0.1, .elbow_rad = 0.1};

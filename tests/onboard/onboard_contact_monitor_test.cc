@@ -153,7 +153,7 @@ TEST(ContactMonitorThresholdsTest, ThoseOfTheOtherPhaseDoNotCount) {
   EXPECT_TRUE(monitor.Collisions(1).empty());
   monitor.Update(tau, {}, false);
   EXPECT_EQ(monitor.joint_contact()[0], 1);
-  EXPECT_EQ(monitor.Collisions(1).items().size(), 1u);
+  EXPECT_EQ(monitor.Collisions(1).size(), 1u);
 }
 
 TEST(ContactMonitorThresholdsTest, ReportsBothReflexesEachByItsFirstAxis) {
@@ -191,7 +191,7 @@ TEST(ContactMonitorThresholdsTest, ZeroThresholdsReportAnythingButZero) {
   monitor.Update({}, {}, false);
   EXPECT_TRUE(monitor.Collisions(1).empty());
   monitor.Update({0, 0, 0, 0, 0, 0, 1e-9}, {0, 0, -1e-9, 0, 0, 0}, false);
-  EXPECT_EQ(monitor.Collisions(1).items().size(), 2u);
+  EXPECT_EQ(monitor.Collisions(1).size(), 2u);
 }
 
 }  // namespace

@@ -376,8 +376,8 @@ TEST(MotionGeneratorTest, AllocatesNothing) {
     for (int k = 0; k < 1000; ++k) {
       command.q_c[6] += 1e-7;
       command.O_dP_EE_c[1] = 1e-5 * k;
-      violations += driver.generator.Take(command, k == 0, 1).items().size();
-      if (k % 10 == 0) violations += driver.generator.Hold(1).items().size();
+      violations += driver.generator.Take(command, k == 0, 1).size();
+      if (k % 10 == 0) violations += driver.generator.Hold(1).size();
     }
     command.O_T_EE_c[5] = kNaN;
     command.q_c[0] = kNaN;

@@ -226,8 +226,8 @@ TEST_F(SensingTest, ACycleTakesNoMemory) {
   for (std::uint64_t k = 0; k < 1000; ++k) {
     sensors_.q[3] += 1e-3;
     sensing_.Update(sensors_, setup_, k % 2 == 0);
-    violations += sensing_.Collisions(k).items().size();
-    violations += sensing_.CheckMeasured({}, k, true).items().size();
+    violations += sensing_.Collisions(k).size();
+    violations += sensing_.CheckMeasured({}, k, true).size();
     sensing_.ClearCollisions();
   }
   const auto counts = guard.counts();

@@ -9,6 +9,8 @@
 #include "planning/planning_fixture.h"
 #include "planning/shortcuts.h"
 #include "planning/tree_search.h"
+#include "support/fr3_limits.h"
+#include "twin/core/error.h"
 #include "twin/planning/random_goal.h"
 
 namespace twin::planning::planning_path_test {
@@ -126,6 +128,32 @@ TEST_F(PathTest, StopAndGoStaysOnTheStraightWaysAndUsesTheSharesUp) {
       EXPECT_NEAR(q[i], Between(path[0], path[1], share)[i], 1e-9);
     }
   }
+}
+
+TEST_F(PathTest, KeepsVelocityLimitsThatDependOnThePosition) {
+  const JointLimits limits = test::Fr3Limits();
+  JointVector near_the_end = kReady;
+  near_the_end[0] = limits.q_max[0] - 0.05;
+  near_the_end[5] = limits.q_max[5] - 0.05;
+  const std::vector<JointVector> path{kReady, near_the_end, {0.4, -0.5, 0.2, -2.0, 0.1, 1.6, 0.9}};
+  const reference::Timing pace{.velocity_scale = 1, .acceleration_scale = 1, .jerk_scale = 1};
+  const auto through = RunThrough({{.q = path[0]}, {.q = path[1]}, {.q = path[2]}}, pace, limits);
+  ASSERT_TRUE(through);
+  const TimedPath stops = StopAndGo(path, pace, limits);
+  for (const reference::Trajectory* timed : {&through->trajectory, &stops.trajectory}) {
+    double largest = 0;
+    for (Duration t = kCycle; t < timed->duration(); t += kCycle) {
+      const auto target = timed->Sample(t);
+      for (std::size_t i = 0; i < kJoints; ++i) {
+        const double limit = limits.VelocityLimit(i, target.q[i], target.dq[i]);
+        largest = std::max(largest, std::abs(target.dq[i]) / limit);
+      }
+    }
+    EXPECT_LE(largest, 1);
+    EXPECT_GT(largest, 0.9);
+  }
+  near_the_end[3] = limits.q_max[3] - 0.01;
+  EXPECT_THROW(StopAndGo({kReady, near_the_end}, pace, limits), InputError);
 }
 
 TEST_F(PathTest, PointsThatCoincideDoNoHarm) {

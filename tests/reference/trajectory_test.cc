@@ -6,6 +6,7 @@
 
 #include <gmock/gmock.h>
 
+#include "support/fr3_limits.h"
 #include "support/panda_limits.h"
 #include "support/realtime_guard.h"
 #include "twin/core/error.h"
@@ -148,6 +149,41 @@ TEST(TrajectoryTest, StretchesByOneFactor) {
   EXPECT_NEAR(slow.peaks().velocity[0] / slower.peaks().velocity[0], 2, 1e-7);
   EXPECT_NEAR(slow.peaks().acceleration[0] / slower.peaks().acceleration[0], 4, 1e-7);
   EXPECT_NEAR(slow.peaks().jerk[0] / slower.peaks().jerk[0], 8, 1e-7);
+}
+
+TEST(TrajectoryTest, TakesTheTimeThatVelocityLimitsByPositionNeed) {
+  const JointLimits limits = test::Fr3Limits();
+  JointVector start = kReady;
+  start[5] = 4.0;
+  JointVector near_the_end = start;
+  near_the_end[5] = limits.q_max[5] - 0.03;
+  const Timing timing{.velocity_scale = 1, .acceleration_scale = 1, .jerk_scale = 1};
+  const Trajectory path({{.q = start}, {.q = near_the_end}}, timing, limits);
+  JointLimits box = limits;
+  box.deceleration = {};
+  EXPECT_GT(path.duration(),
+            Trajectory({{.q = start}, {.q = near_the_end}}, timing, box).duration());
+  double largest = 0;
+  for (Duration t = kCycle; t < path.duration(); t += kCycle) {
+    const JointTarget target = path.Sample(t);
+    largest = std::max(largest, target.dq[5] / limits.VelocityLimit(5, target.q[5], target.dq[5]));
+  }
+  EXPECT_LE(largest, 1);
+  EXPECT_GT(largest, 0.99);
+}
+
+TEST(TrajectoryTest, RefusesAGoalWhereNoVelocityIsPermitted) {
+  const JointLimits limits = test::Fr3Limits();
+  JointVector end = kReady;
+  end[3] = limits.q_max[3] - 0.01;
+  try {
+    const Trajectory path({{.q = kReady}, {.q = end}}, {}, limits);
+    FAIL() << "it was taken";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("joint 4"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("stay 0.0112 rad"), std::string::npos) << error.what();
+  }
+  EXPECT_NO_THROW(Trajectory({{.q = end}, {.q = kReady}}, {}, limits)) << "away from it";
 }
 
 TEST(TrajectoryTest, RefusesFewerThanTwoPoints) {

@@ -177,6 +177,17 @@ motion:
               AllOf(HasSubstr("motion: at 0."), HasSubstr("joint 1 moves at"),
                     HasSubstr("the robot permits 1.8"), HasSubstr("give the motion more time")));
   EXPECT_NO_THROW((void)Prepare("{}", text("fr3", 2)));
+  EXPECT_NO_THROW((void)Prepare("{}", R"(robot: {model: fr3}
+motion:
+  trajectory:
+    unit: rad
+    velocity_scale: 1
+    acceleration_scale: 1
+    jerk_scale: 1
+    waypoints:
+      - {q: [2.0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]}
+      - {q: [2.72, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]}
+)")) << "a motion without times takes its time";
   EXPECT_NO_THROW((void)Prepare("{}", text("panda", 0.75)));
 }
 

@@ -22,7 +22,11 @@ class Violations {
     for (const Violation& violation : more.items()) Add(violation);
   }
   [[nodiscard]] bool empty() const noexcept { return size_ == 0; }
-  [[nodiscard]] std::span<const Violation> items() const noexcept { return {items_.data(), size_}; }
+  [[nodiscard]] std::span<const Violation> items() const& noexcept {
+    return {items_.data(), size_};
+  }
+  [[nodiscard]] std::size_t size() const noexcept { return size_; }
+  void items() const&& = delete;  ///< they would end with a temporary
 
  private:
   union {
