@@ -62,6 +62,8 @@ OTHERS = (
      "const auto instead = i == 6 ? std::nullopt : Instead(i, x, ViableAxis::JerkToPosition(x, q_c[i]));"),
     ("the viability filter is made for one loss fewer", "src/reference/viability_filter.cc",
      "axes_.emplace_back(BoundsOf(limits, i), lost,", "axes_.emplace_back(BoundsOf(limits, i), lost > 0 ? lost - 1 : 0,"),
+    ("an FR3's viability filter takes its velocity limits for constant", "src/reference/viability_filter.cc",
+     ".deceleration = limits.deceleration[joint]", ".deceleration = 0 * limits.deceleration[joint]"),
     ("torques are not limited", "src/reference/rate_limiter.cc",
      "std::clamp(rate, -limits.dtau_max[j], limits.dtau_max[j]) * kT", "rate * kT"),
     ("a state that came is taken again", "src/robot/link.cc",

@@ -90,6 +90,8 @@ void DrawPlant(Dice& dice, Scenario& world) {
   world.plant.kind = robot::PlantKind::kMujoco;
   world.plant.friction = static_cast<plant::FrictionProfile>(dice.Whole(0, 2));
   world.plant.armature = dice.Chance(0.7);
+  // Without its rotors' inertia an FR3's wrist is too light for INT's stiffness at 1 kHz.
+  if (world.robot.model == "fr3") world.plant.armature = true;
   if (dice.Chance(0.2)) world.plant.mass_scale = dice.Between(0.9, 1.1);
   if (dice.Chance(0.3)) {
     world.plant.noise_q = dice.Between(0, 2e-5);
