@@ -190,6 +190,36 @@ void DrawObject(Dice& dice, Scenario& world) {
   }
 }
 
+/// A pump on the flange, and below its cup a part on a stand.
+void DrawPump(Dice& dice, Scenario& world) {
+  if (world.plant.kind == robot::PlantKind::kIdeal || world.base || !dice.Chance(0.06)) return;
+  world.robot.hand = plant::HandKind::kCobotPump;
+  world.motion.waypoints.front().q = kReady;
+  world.robot.q_start.reset();
+  world.objects.clear();
+  constexpr double kCup = 0.4853;  // height of its face there, m
+  const double height = dice.Between(0.02, 0.1);
+  scenario::ObjectSection part{.name = "part", .size = {0.1, 0.1, height}};
+  part.mass = dice.Between(0.05, 2);
+  part.pose.position = {0.3069, 0, kCup - height / 2 - dice.Between(0, 0.002)};
+  scenario::ObjectSection stand{.name = "stand", .size = {0.1, 0.1, 0.1}};
+  stand.pose.position = part.pose.position;
+  stand.pose.position[2] -= height / 2 + 0.05;
+  world.objects = {stand, part};
+  world.hand.clear();
+  int at = dice.Whole(0, 20);
+  for (int i = dice.Whole(1, 4); i > 0; --i) {
+    HandCommand command = hand::Vacuum{.vacuum = static_cast<std::uint8_t>(dice.Whole(1, 80)),
+                                       .profile = static_cast<std::uint8_t>(dice.Whole(0, 3)),
+                                       .timeout_ms = dice.Whole(0, 1000)};
+    const int kind = dice.Whole(0, 3);
+    if (kind == 1) command = hand::DropOff{dice.Whole(0, 1000)};
+    if (kind == 2) command = hand::Stop{};
+    world.hand.push_back({std::chrono::milliseconds(at), command});
+    at += dice.Whole(1, 600);
+  }
+}
+
 /// A controller that now and then computes for so long that it counts as stalled.
 void DrawSilence(Dice& dice, Scenario& world) {
   if (world.loop == loop::LoopKind::kBare || !dice.Chance(0.1)) return;
@@ -213,6 +243,7 @@ void DrawRareThings(Dice& dice, Scenario& world, bool all) {
   DrawBase(dice, world);
   DrawObject(dice, world);
   DrawSilence(dice, world);
+  if (world.robot.model == "panda") DrawPump(dice, world);
 }
 
 }  // namespace twin::campaign
