@@ -1,6 +1,5 @@
 #include "conformance/step_oracle.h"
 
-
 #include "conformance/pose_math.h"
 #include "conformance/reference_rules.h"
 #include "twin/core/time.h"

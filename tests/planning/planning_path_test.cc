@@ -153,7 +153,7 @@ TEST_F(PathTest, KeepsVelocityLimitsThatDependOnThePosition) {
     EXPECT_GT(largest, 0.9);
   }
   near_the_end[3] = limits.q_max[3] - 0.01;
-  EXPECT_THROW(StopAndGo({kReady, near_the_end}, pace, limits), InputError);
+  EXPECT_THROW((void)StopAndGo({kReady, near_the_end}, pace, limits), InputError);
 }
 
 TEST_F(PathTest, PointsThatCoincideDoNoHarm) {
