@@ -26,5 +26,6 @@ int main() {
   robot.Begin();
   while (robot.Move({}) != twin::MoveStatus::kMotionStarted) events.RunNext();
   while (robot.mode() != twin::RobotMode::kReflex) events.RunNext();
-  std::puts(Describe(robot.last_motion().violations.items().front()).c_str());
+  const twin::robot::LastMotion motion = robot.last_motion();
+  std::puts(Describe(motion.violations.items().front()).c_str());
 }
