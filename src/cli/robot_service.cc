@@ -16,8 +16,9 @@ namespace {
 
 void RequireRosTime(const ServeFlags& flags) {
   if (!flags.ros.wanted) return;
-  const application::ServeDrive drive = application::DriveOf(flags);
-  const bool is_unpaced = drive.is_lockstep() && !drive.pace;
+  // Without these flags the drive has a pace, and to choose it takes a measurement of the host.
+  const bool is_unpaced = flags.drive && !flags.pace &&
+                          scenario::DriveFromName(*flags.drive) == scenario::Drive::kLockstep;
   const bool steps = flags.ros.lockstep_hz.has_value();
   if (steps && !(is_unpaced && flags.FreezesWhenIdle())) {
     throw InputError(

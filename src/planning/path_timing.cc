@@ -6,8 +6,6 @@
 #include <set>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "planning/joint_space.h"
 #include "twin/core/error.h"
 #include "twin/core/time.h"
@@ -40,37 +38,18 @@ double Load(double dq, double dq_limit, double ddq, double dddq, std::size_t joi
                    std::cbrt(dddq / (pace.jerk_scale * limits.dddq_max[joint]))});
 }
 
-/// Peak velocity of a joint's way from rest to rest in one second, rad/s. Where its limit depends
-/// on the position, what is as close to dq_max as the way comes to the limit.
-double PeakVelocity(double a, double b, std::size_t joint, const JointLimits& limits) {
-  constexpr int kSamples = 256;
-  constexpr double kBetween = 1.001;  // for what lies between the samples
-  double peak = kPeakVelocity * std::abs(b - a);
-  if (limits.deceleration[joint] == 0) return peak;
-  for (int k = 1; k < kSamples; ++k) {
-    const double x = k / static_cast<double>(kSamples);
-    const double q = a + (b - a) * x * x * x * (10 - x * (15 - 6 * x));
-    const double dq = (b - a) * 30 * x * x * (1 - x) * (1 - x);
-    const double share = std::abs(dq) / limits.VelocityLimit(joint, q, dq);
-    peak = std::max(peak, kBetween * share * limits.dq_max[joint]);
-  }
-  if (std::isfinite(peak)) return peak;
-  throw InputError(fmt::format(
-      "planning: joint {} would move from {:.4f} to {:.4f} rad, where the robot permits "
-      "no velocity towards the end of its range; stay {:.4f} rad from its limits",
-      joint + 1, a, b, limits.StillZone(joint)));
-}
-
 /// Time of a segment from rest to rest, s.
 double RestToRestTime(const JointVector& a, const JointVector& b, const Timing& pace,
                       const JointLimits& limits) {
   double longest = 0;
   for (std::size_t i = 0; i < kJoints; ++i) {
     const double L = std::abs(b[i] - a[i]);
-    longest = std::max(longest, Load(PeakVelocity(a[i], b[i], i, limits), limits.dq_max[i],
-                                     kPeakAcceleration * L, kPeakJerk * L, i, pace, limits));
+    longest = std::max(longest, Load(kPeakVelocity * L, limits.dq_max[i], kPeakAcceleration * L,
+                                     kPeakJerk * L, i, pace, limits));
   }
-  return longest;
+  const bool is_box = limits.deceleration == JointVector{};
+  if (is_box || longest <= kLeastWay) return longest;
+  return ToSeconds(Trajectory({{.q = a}, {.q = b}}, pace, limits).duration());
 }
 
 /// The same for a trajectory's peaks, which are shares of the limits.

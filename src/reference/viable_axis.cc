@@ -63,18 +63,18 @@ ViableAxis::ViableAxis(const AxisBounds& bounds, int lost, std::string_view name
   }
   rounds_ = static_cast<int>(rounds);
   longest_way_ = ReachOf(kept_.dq_max, kept_.ddq_max).q;
-  least_range_ = ReachOf(0, kept_.ddq_max).q;
+  const Reach from_rest = ReachOf(0, kept_.ddq_max);
+  least_range_ = from_rest.q;
   if (kept_.deceleration > 0) {
     // At each end nothing moves towards it, not by rounding either.
     const double still = kept_.velocity_offset * kept_.velocity_offset / (2 * kept_.deceleration);
-    const double gathered = ReachOf(0, kept_.ddq_max).dq;
-    least_range_ = std::max(least_range_, still) + std::max(ReachOf(gathered, 0).q, still);
+    least_range_ = std::max(least_range_, still) + std::max(ReachOf(from_rest.dq, 0).q, still);
   }
-  RequireNoConflict(name);
+  RequireNoConflict(from_rest.dq, name);
 }
 
 /// Requires that no jerk violates an upper and a lower bound at once.
-void ViableAxis::RequireNoConflict(std::string_view name) const {
+void ViableAxis::RequireNoConflict(double gathered, std::string_view name) const {
   const double range = kept_.q_max - kept_.q_min;
   if (range < least_range_) {
     throw InputError(fmt::format(
@@ -83,7 +83,6 @@ void ViableAxis::RequireNoConflict(std::string_view name) const {
         "acceleration",
         name, range + 2 * kInside, lost_, least_range_ + 2 * kInside));
   }
-  const double gathered = ReachOf(0, kept_.ddq_max).dq;
   if (kept_.dq_max < gathered) {
     throw InputError(fmt::format(
         "viability filter: {}: its velocity limit of {:.4g} rad/s is gathered within {} lost "

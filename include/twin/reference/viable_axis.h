@@ -134,7 +134,8 @@ class ViableAxis {
                               double jerk) const noexcept;
   [[nodiscard]] double Bisect(Side side, std::span<const PossibleState> states, double keeps,
                               double breaks) const noexcept;
-  void RequireNoConflict(std::string_view name) const;
+  /// @param gathered  velocity of the worst sequence from v = 0, a = A, rad/s.
+  void RequireNoConflict(double gathered, std::string_view name) const;
 
   int lost_;
   AxisBounds kept_;
