@@ -1,6 +1,5 @@
 #include "twin/render/clip.h"
 
-#include <algorithm>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -42,15 +41,6 @@ class SheetCollector {
   std::vector<Image> images_;
 };
 
-std::vector<std::unique_ptr<FrameWorker>> StartWorkers(const ClipFrames& frames, int threads) {
-  const std::size_t count = std::min(frames.count, static_cast<std::size_t>(threads));
-  std::vector<std::unique_ptr<FrameWorker>> workers;
-  for (std::size_t i = 0; i < count; ++i) {
-    workers.push_back(std::make_unique<FrameWorker>(frames, i, count));
-  }
-  return workers;
-}
-
 }  // namespace
 
 ClipFrames FramesOf(const Film& film, const FilmSettings& settings) {
@@ -76,7 +66,6 @@ ClipStats RenderClip(const ClipFrames& frames, const ClipSettings& settings, con
                      const Clock& clock, const ClipProgress& progress) {
   TWIN_CHECK(frames.count > 0);
   RequireInRange("video: sheet_pictures", settings.sheet_pictures, 1, 1000);
-  RequireInRange("video: render_threads", settings.render_threads, 1, 16);
   const Time begin = clock.Now();
   std::optional<VideoWriter> video;
   if (!paths.video.empty()) {
@@ -84,9 +73,9 @@ ClipStats RenderClip(const ClipFrames& frames, const ClipSettings& settings, con
   }
   SheetCollector sheet(
       SpreadFrames(frames.count, static_cast<std::size_t>(settings.sheet_pictures)));
-  const auto workers = StartWorkers(frames, settings.render_threads);
+  FrameWorker worker(frames);
   for (std::size_t i = 0; i < frames.count; ++i) {
-    const Image image = workers[i % workers.size()]->Take();
+    const Image image = worker.Take();
     if (video) video->Write(image);
     sheet.Add(i, image);
     if (progress) progress(i + 1, frames.count);

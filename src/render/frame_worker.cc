@@ -4,8 +4,7 @@
 
 namespace twin::render {
 
-FrameWorker::FrameWorker(const ClipFrames& frames, std::size_t first, std::size_t stride)
-    : frames_(frames), first_(first), stride_(stride) {
+FrameWorker::FrameWorker(const ClipFrames& frames) : frames_(frames) {
   thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
 }
 
@@ -22,7 +21,7 @@ Image FrameWorker::Take() {
 void FrameWorker::Run(const std::stop_token& stop) {
   try {
     const DrawFrame draw = frames_.new_drawer();
-    for (std::size_t i = first_; i < frames_.count; i += stride_) {
+    for (std::size_t i = 0; i < frames_.count; ++i) {
       if (!Put(draw(i), stop)) return;
     }
   } catch (...) {

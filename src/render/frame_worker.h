@@ -12,13 +12,13 @@
 
 namespace twin::render {
 
-/// Draws every n-th frame of a clip on its own thread, one frame ahead of Take().
+/// Draws the frames of a clip in order on its own thread, one ahead of Take().
 ///
 /// Threads: constructed, taken from and destroyed by one thread.
 class FrameWorker {
  public:
-  /// Draws the frames first, first + stride, ... of `frames`, which must outlive this object.
-  FrameWorker(const ClipFrames& frames, std::size_t first, std::size_t stride);
+  /// @param frames  must outlive this object.
+  explicit FrameWorker(const ClipFrames& frames);
 
   /// Waits for the next frame. @returns it. @pre there is one.
   /// @throws the drawer's exceptions.
@@ -30,8 +30,6 @@ class FrameWorker {
   bool Put(Image image, const std::stop_token& stop);
 
   const ClipFrames& frames_;
-  std::size_t first_;
-  std::size_t stride_;
 
   std::mutex mutex_;
   std::condition_variable_any changed_;

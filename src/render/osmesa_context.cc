@@ -16,6 +16,11 @@ namespace {
 /// the first picture would wait for them for ever. One word, which needs no ordering.
 std::atomic<pid_t> first_process{0};
 
+std::mutex& MesaMutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
 void RequireNoFork() {
   pid_t first = 0;
   if (first_process.compare_exchange_strong(first, ::getpid()) || first == ::getpid()) return;
@@ -23,6 +28,11 @@ void RequireNoFork() {
       "this process was forked from one that has drawn pictures, and Mesa's threads do not live on "
       "in a fork: start processes anew (in Python by multiprocessing's \"spawn\" or "
       "\"forkserver\"), or draw no pictures before the fork");
+}
+
+std::unique_lock<std::mutex> LockMesa() {
+  RequireNoFork();  // where nobody would unlock it
+  return std::unique_lock(MesaMutex());
 }
 
 /// Lets MuJoCo find OSMesa, which it seeks by name in the global scope, else as libOSMesa.so.
@@ -38,11 +48,13 @@ void MakeOsMesaGlobal() {
 }  // namespace
 
 void OsMesaContext::Destroy::operator()(osmesa_context* context) const noexcept {
-  if (LivesHere()) OSMesaDestroyContext(context);
+  if (!LivesHere()) return;
+  const std::lock_guard lock(MesaMutex());
+  OSMesaDestroyContext(context);
 }
 
 OsMesaContext::OsMesaContext() {
-  RequireNoFork();
+  const auto lock = LockMesa();
   context_.reset(OSMesaCreateContextExt(OSMESA_RGBA, /*depthBits=*/24, /*stencilBits=*/8,
                                         /*accumBits=*/0, /*sharelist=*/nullptr));
   if (!context_) {
@@ -58,10 +70,8 @@ bool OsMesaContext::LivesHere() noexcept {
   return first == 0 || first == ::getpid();
 }
 
-void OsMesaContext::MakeCurrent() {
-  RequireNoFork();
-  if (OSMesaGetCurrentContext() == context_.get()) return;
-  if (OSMesaMakeCurrent(context_.get(), dummy_.data(), GL_UNSIGNED_BYTE,
+OsMesaContext::Current::Current(OsMesaContext& gl) : lock_(LockMesa()) {
+  if (OSMesaMakeCurrent(gl.context_.get(), gl.dummy_.data(), GL_UNSIGNED_BYTE,
                         static_cast<GLsizei>(kDummySize),
                         static_cast<GLsizei>(kDummySize)) == GL_FALSE) {
     throw EnvironmentError(
@@ -70,7 +80,8 @@ void OsMesaContext::MakeCurrent() {
   }
 }
 
-void OsMesaContext::ReleaseCurrent() noexcept {
+OsMesaContext::Current::~Current() {
+  glFinish();
   OSMesaMakeCurrent(nullptr, nullptr, 0, 0, 0);
 }
 

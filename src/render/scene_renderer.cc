@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <mutex>
 #include <vector>
 
 #include "twin/core/error.h"
@@ -13,12 +12,6 @@ namespace {
 
 /// Capacity for geoms beyond the model's: marks, and those that MuJoCo adds.
 constexpr int kSpareGeoms = 1000 + static_cast<int>(Ghost::kMostPoints);
-
-/// MuJoCo keeps its OpenGL function table in globals and fills it when a context is created.
-std::mutex& LoaderMutex() {
-  static std::mutex mutex;
-  return mutex;
-}
 
 /// True if a geom has nearly the same pose in both: coinciding surfaces render as speckles, which
 /// differ between rasterisers.
@@ -65,7 +58,6 @@ SceneRenderer::SceneRenderer(const mjModel& model, const RenderSettings& setting
   const Current current = Use();
   try {
     mjv_makeScene(&model_, &scene_, 2 * model_.ngeom + kSpareGeoms);
-    const std::lock_guard lock(LoaderMutex());
     mjr_makeContext(&model_, &context_, FontScale(settings_.height));
     mjr_setBuffer(mjFB_OFFSCREEN, &context_);
   } catch (...) {

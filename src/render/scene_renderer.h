@@ -44,13 +44,7 @@ struct Shot {
 /// calls require such a scope.
 class SceneRenderer {
  public:
-  class Current {
-   public:
-    explicit Current(OsMesaContext& gl) { gl.MakeCurrent(); }
-    ~Current() { OsMesaContext::ReleaseCurrent(); }
-    Current(const Current&) = delete;
-    Current& operator=(const Current&) = delete;
-  };
+  using Current = OsMesaContext::Current;
 
   /// @param model  with off-screen buffer and shadow map sizes set. Must outlive this object.
   SceneRenderer(const mjModel& model, const RenderSettings& settings);

@@ -4,7 +4,6 @@
 #include <array>
 #include <string>
 #include <string_view>
-#include <thread>
 
 #include <fmt/format.h>
 
@@ -110,17 +109,13 @@ void CheckPicture(const backend::Connection& connection, const scenario::RenderS
 
 render::ClipStats RenderClip(const render::ClipFrames& frames, const render::ClipPaths& paths,
                              const Clock& clock, run::Console& console) {
-  render::ClipSettings settings;
-  settings.render_threads =
-      static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 16U));
   const Time begin = clock.Now();
-  return render::RenderClip(
-      frames, settings, paths, clock, [&](std::size_t done, std::size_t total) {
-        console.ThrowIfInterrupted();
-        const double rate = static_cast<double>(done) / ToSeconds(clock.Now() - begin);
-        console.Show("video", static_cast<double>(done) / static_cast<double>(total),
-                     fmt::format("{} of {} frames, {:.0f} frames/s", done, total, rate));
-      });
+  return render::RenderClip(frames, {}, paths, clock, [&](std::size_t done, std::size_t total) {
+    console.ThrowIfInterrupted();
+    const double rate = static_cast<double>(done) / ToSeconds(clock.Now() - begin);
+    console.Show("video", static_cast<double>(done) / static_cast<double>(total),
+                 fmt::format("{} of {} frames, {:.0f} frames/s", done, total, rate));
+  });
 }
 
 }  // namespace twin::replay

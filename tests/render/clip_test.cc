@@ -1,8 +1,9 @@
 #include "twin/render/clip.h"
 
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <stop_token>
+#include <thread>
 #include <vector>
 
 #include "render/test_model.h"
@@ -10,6 +11,7 @@
 #include "support/temporary_folder.h"
 #include "twin/core/error.h"
 #include "twin/render/image.h"
+#include "twin/render/renderer.h"
 
 namespace twin::render::clip_test {
 namespace {
@@ -65,11 +67,20 @@ class ClipTest : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(ClipTest, IsTheSameBytesWithAnyNumberOfThreads) {
-  settings_.render_threads = 1;
+// Mesa's contexts are not independent: where they drew at the same time, one run in 20 crashed.
+TEST_F(ClipTest, IsTheSameBytesWhileOthersDraw) {
   RenderTo({folder_ / "a.mp4", folder_ / "a.png"});
-  settings_.render_threads = 3;
-  RenderTo({folder_ / "b.mp4", folder_ / "b.png"});
+  {
+    std::vector<std::jthread> others;
+    for (int i = 0; i < 2; ++i) {
+      others.emplace_back([&](const std::stop_token& stop) {
+        Renderer renderer(model_.model(), settings_.film.render);
+        const auto qpos = recorder_.snapshots().qpos(0);
+        while (!stop.stop_requested()) static_cast<void>(renderer.Render(qpos, "other"));
+      });
+    }
+    RenderTo({folder_ / "b.mp4", folder_ / "b.png"});
+  }
   EXPECT_GT(test::ReadText(folder_ / "a.mp4").size(), 1000U);
   EXPECT_EQ(test::ReadText(folder_ / "a.mp4"), test::ReadText(folder_ / "b.mp4"));
   EXPECT_EQ(test::ReadText(folder_ / "a.png"), test::ReadText(folder_ / "b.png"));
@@ -87,24 +98,22 @@ TEST_F(ClipTest, PutsEvenlySpacedFramesOnTheSheetFirstAndLastIncluded) {
   EXPECT_EQ(ReadPng(folder_ / "sheet.png"), ComposeContactSheet(expected, settings_.sheet));
 }
 
-// 760 frames more are 44 MB of pictures and 1.3 MB of snapshots.
+// 760 frames more are 44 MB of pictures and 1.3 MB of snapshots. What Mesa takes differs by up to
+// 11 MB from clip to clip.
 TEST_F(ClipTest, TakesNoMoreMemoryForMoreFrames) {
   const std::size_t few = PeakOf(40);
   const std::size_t many = PeakOf(800);
-  EXPECT_LT(many, few + 10'000'000);
+  EXPECT_LT(many, few + 25'000'000);
 }
 
-TEST_F(ClipTest, OverlaysAndInsetsAreTheSameBytesWithAnyNumberOfThreads) {
+TEST_F(ClipTest, OverlaysAndInsetsAreTheSameBytesAgain) {
   settings_.film.insets = {{.view = {.kind = ViewKind::kScene, .name = "wrist", .orbit = {}}}};
   settings_.film.overlays.contacts = true;
   settings_.film.overlays.forces = true;
   settings_.film.view = {.kind = ViewKind::kOrbit, .name = {}, .orbit = {}, .turn_deg_per_s = 30};
-  for (const int threads : {1, 4}) {
-    settings_.render_threads = threads;
-    RenderTo({folder_ / fmt::format("{}.mkv", threads), {}});
-  }
-  EXPECT_GT(test::ReadText(folder_ / "1.mkv").size(), 1000U);
-  EXPECT_EQ(test::ReadText(folder_ / "1.mkv"), test::ReadText(folder_ / "4.mkv"));
+  for (const char* name : {"a.mkv", "b.mkv"}) RenderTo({folder_ / name, {}});
+  EXPECT_GT(test::ReadText(folder_ / "a.mkv").size(), 1000U);
+  EXPECT_EQ(test::ReadText(folder_ / "a.mkv"), test::ReadText(folder_ / "b.mkv"));
 }
 
 TEST_F(ClipTest, ReportsEveryFrameInOrderAndTheTimeByTheClockGiven) {
@@ -120,13 +129,13 @@ TEST_F(ClipTest, ReportsEveryFrameInOrderAndTheTimeByTheClockGiven) {
   EXPECT_EQ(stats.seconds, 1);
 }
 
-TEST_F(ClipTest, PassesOnWhatARenderingThreadThrows) {
+TEST_F(ClipTest, PassesOnWhatTheDrawingThreadThrows) {
   settings_.film.view.name = "no such camera";
   EXPECT_THROW(RenderTo({{}, folder_ / "sheet.png"}), InputError);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "sheet.png"));
 }
 
-TEST_F(ClipTest, StopsItsThreadsWhenFfmpegFails) {
+TEST_F(ClipTest, StopsItsThreadWhenFfmpegFails) {
   settings_.ffmpeg = "false";
   EXPECT_THROW(RenderTo({folder_ / "a.mp4", {}}), EnvironmentError);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "a.mp4"));
@@ -136,7 +145,6 @@ TEST_F(ClipTest, IsMadeOfWhateverDraws) {
   const auto picture = [](std::size_t frame) {
     return Image(32, 16, {static_cast<std::uint8_t>(40 * frame), 100, 200});
   };
-  settings_.render_threads = 2;
   settings_.sheet_pictures = 3;
   RenderClip(
       ClipFrames{.count = 3, .width = 32, .height = 16, .new_drawer = [&] { return picture; }},
@@ -147,9 +155,6 @@ TEST_F(ClipTest, IsMadeOfWhateverDraws) {
 }
 
 TEST_F(ClipTest, RefusesSettingsOutOfRange) {
-  settings_.render_threads = 0;
-  EXPECT_THROW(RenderTo({{}, folder_ / "sheet.png"}), InputError);
-  settings_.render_threads = 1;
   settings_.sheet_pictures = 0;
   EXPECT_THROW(RenderTo({{}, folder_ / "sheet.png"}), InputError);
 }

@@ -17,7 +17,6 @@ struct ClipSettings {
   std::filesystem::path ffmpeg = "ffmpeg";  ///< see VideoSettings
   ContactSheetLayout sheet;
   int sheet_pictures = 12;  ///< evenly spaced, with the first and the last frame; >= 1
-  int render_threads = 2;   ///< in [1, 16]; no effect on the pictures
 };
 
 /// Paths of the results; an empty path omits the result.
@@ -40,7 +39,7 @@ struct ClipFrames {
   int fps = 25;           ///< of the clip, in [1, 240]
   int width = 640;        ///< of each frame, pixels, even
   int height = 480;       ///< pixels, even
-  /// Called once on each drawing thread, which alone uses the result.
+  /// Called once on the drawing thread, which alone uses the result.
   std::function<DrawFrame()> new_drawer;
 };
 
@@ -51,8 +50,7 @@ struct ClipFrames {
 /// Called on the calling thread after each frame, with the number of finished and of all frames.
 using ClipProgress = std::function<void(std::size_t done, std::size_t total)>;
 
-/// Renders a film to a video and a contact sheet. Several threads draw frames; one encodes them in
-/// order.
+/// Renders a film to a video and a contact sheet. One thread draws, the calling one encodes.
 /// @pre film.snapshots->size() > 0.
 /// @throws what FramePainter, VideoWriter and WritePng throw.
 ClipStats RenderClip(const Film& film, const ClipSettings& settings, const ClipPaths& paths,
