@@ -35,6 +35,7 @@ class RealtimeBackend final : public EmulatedBackend<robot::RealtimeRobot>,
   void Write(const RobotCommand& command) noexcept override { robot().Write(command); }
 
   void Begin() override { robot().Begin(); }
+  void StandBy() override { robot().StandBy(); }
   void End() override { robot().End(); }
   [[nodiscard]] backend::RobotTimings timings() const override {
     return {.lateness = robot().lateness(),

@@ -15,8 +15,10 @@ scenario::Cell CellOf(const CellOpening& opening) {
       opening.text ? scenario::ParseServedCell(*opening.text, opening.file, opening.seed)
                    : scenario::LoadServedCell(scenario::FindScenario(opening.file, Files().models),
                                               opening.seed);
-  run::RequireLockstep(cell);
-  return cell;
+  if (cell.common.is_lockstep()) return cell;
+  throw InputError(
+      "drive: a Cell runs in lockstep; say drive: lockstep, or run or serve the scenario: panda-twin "
+      "run, panda-twin serve");
 }
 
 /// A robot: its island, and its index there.

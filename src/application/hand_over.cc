@@ -288,8 +288,8 @@ StepEnd HandOver::AwaitRelease() {
 OrReason<Message> HandOver::Await(std::string_view word, bool holds) {
   const MessageBoard& board = stage_->partners->board();
   const std::string& partner = parameters_.partner;
-  const Message* heard = nullptr;
-  const std::string* ended = nullptr;
+  std::optional<Message> heard;
+  std::optional<std::string> ended;
   bool is_lost = false;
   Time held = stage_->session.Now();
   const auto done = [&](const RobotState& /*state*/) {
@@ -297,15 +297,15 @@ OrReason<Message> HandOver::Await(std::string_view word, bool holds) {
     ended = board.EndOf(partner_, stage_->session.Now());
     if (!holds || steps_.Holds()) held = stage_->session.Now();
     is_lost = stage_->session.Now() - held > kLost;
-    return heard != nullptr || ended != nullptr || is_lost;
+    return heard || ended || is_lost;
   };
   const run::WaitEnd end = stage_->session.Wait(parameters_.timeout, done);
   if (is_lost) {
     return fmt::format("the hand lost the {}: it stands at {:.1f} mm", parameters_.handling.object,
                        steps_.hand_state().width * 1e3);
   }
-  if (heard != nullptr) return *heard;
-  if (ended != nullptr) {
+  if (heard) return *heard;
+  if (ended) {
     return fmt::format("{} has ended without having said \"{}\"{}{}", partner, word,
                        ended->empty() ? "" : ": ", *ended);
   }

@@ -11,26 +11,31 @@ MessageBoard::MessageBoard(std::span<const scenario::CellRobot> robots)
     : robots_(robots), seats_(robots.size()) {}
 
 void MessageBoard::Say(std::size_t robot, Message message) {
+  const std::lock_guard lock(mutex_);
   seats_[robot].said.push_back(std::move(message));
 }
 
-const Message* MessageBoard::Heard(std::size_t robot, std::string_view word, Time now) const {
+std::optional<Message> MessageBoard::Heard(std::size_t robot, std::string_view word,
+                                           Time now) const {
+  const std::lock_guard lock(mutex_);
   const std::vector<Message>& said = seats_[robot].said;
   const auto last = std::find_if(said.rbegin(), said.rend(), [&](const Message& message) {
     return message.word == word && message.at < now;
   });
-  return last == said.rend() ? nullptr : &*last;
+  return last == said.rend() ? std::nullopt : std::optional(*last);
 }
 
 void MessageBoard::End(std::size_t robot, std::string failure) {
+  const std::lock_guard lock(mutex_);
   std::optional<std::string>& end = seats_[robot].end;
   if (!end) end = std::move(failure);
 }
 
-const std::string* MessageBoard::EndOf(std::size_t robot, Time now) const {
+std::optional<std::string> MessageBoard::EndOf(std::size_t robot, Time now) const {
+  const std::lock_guard lock(mutex_);
   const Seat& seat = seats_[robot];
   const bool is_heard = seat.said.empty() || seat.said.back().at < now;
-  return seat.end && is_heard ? &*seat.end : nullptr;
+  return is_heard ? seat.end : std::nullopt;
 }
 
 std::optional<std::size_t> Partners::Find(std::string_view name) const {

@@ -7,7 +7,10 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
+#include <span>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -20,10 +23,12 @@
 #include "twin/application/validate.h"
 #include "twin/core/clock.h"
 #include "twin/core/error.h"
+#include "twin/loop/shared_time.h"
 #include "twin/plant/shared_model.h"
 #include "twin/replay/cell_recording.h"
 #include "twin/replay/recording.h"
 #include "twin/rt/fiber.h"
+#include "twin/rt/fiber_thread.h"
 #include "twin/run/film.h"
 #include "twin/run/islands.h"
 #include "twin/run/result_folder.h"
@@ -56,16 +61,17 @@ run::RunFiles FilesFor(const Partners& partners, run::RunFiles files) {
 /// What a robot's run says, with the robot's name.
 class RobotConsole final : public run::Console {
  public:
-  RobotConsole(run::Console& console, std::string name)
-      : console_(console), name_(std::move(name)) {}
+  /// @param mutex  of `console`.
+  RobotConsole(run::Console& console, std::mutex& mutex, std::string name)
+      : console_(console), mutex_(mutex), name_(std::move(name)) {}
 
-  void Print(std::string_view text) override { console_.Print(Marked(text)); }
-  void Say(std::string_view text) override { console_.Say(Marked(text)); }
-  void Debug(std::string_view text) override { console_.Debug(fmt::format("{}: {}", name_, text)); }
-  void Note(std::string_view text) override { console_.Note(fmt::format("{}: {}", name_, text)); }
-  void Warn(std::string_view text) override { console_.Warn(fmt::format("{}: {}", name_, text)); }
+  void Print(std::string_view text) override { Locked()->Print(Marked(text)); }
+  void Say(std::string_view text) override { Locked()->Say(Marked(text)); }
+  void Debug(std::string_view text) override { Locked()->Debug(Named(text)); }
+  void Note(std::string_view text) override { Locked()->Note(Named(text)); }
+  void Warn(std::string_view text) override { Locked()->Warn(Named(text)); }
   void Show(std::string_view work, double share, std::string_view note) override {
-    console_.Show(work, share, fmt::format("{}: {}", name_, note));
+    Locked()->Show(work, share, Named(note));
   }
   [[nodiscard]] const volatile bool& interrupted() const noexcept override {
     return console_.interrupted();
@@ -73,6 +79,20 @@ class RobotConsole final : public run::Console {
   void Interrupt() noexcept override { console_.Interrupt(); }
 
  private:
+  /// The console, for one call.
+  class Lock {
+   public:
+    explicit Lock(const RobotConsole& robot) : console_(robot.console_), lock_(robot.mutex_) {}
+    run::Console* operator->() const noexcept { return &console_; }
+
+   private:
+    run::Console& console_;
+    const std::lock_guard<std::mutex> lock_;
+  };
+  [[nodiscard]] Lock Locked() const { return Lock(*this); }
+  [[nodiscard]] std::string Named(std::string_view text) const {
+    return fmt::format("{}: {}", name_, text);
+  }
   /// Each line with the name in front.
   [[nodiscard]] std::string Marked(std::string_view text) const {
     std::string marked;
@@ -85,15 +105,15 @@ class RobotConsole final : public run::Console {
   }
 
   run::Console& console_;
+  std::mutex& mutex_;
   const std::string name_;
 };
 
 /// How a robot's run ended.
 struct RobotEnd {
   std::string name;
-  std::string shares_with;   ///< names of its island's robots
-  std::string failure;       ///< empty: success
-  std::exception_ptr why{};  ///< set where the run as a whole cannot go on
+  std::string shares_with;  ///< names of its island's robots
+  std::string failure;      ///< empty: success
 };
 
 class CellRecorder {
@@ -110,9 +130,15 @@ class CellRecorder {
   /// Refuses what a run would, before the first of them.
   void RequireSound(const run::Island& island) const;
   void RunIsland(const run::Island& island);
-  /// @param backends  of the run. Never throws: what it would is in the robot's end.
-  void RunRobot(const Partners& partners, const backend::Registry& backends, RobotEnd& end);
-  /// Moves what their runs took for preparation and plots out of run_s.
+  /// On one thread, in turn.
+  void RunInTurn(MessageBoard& board, std::span<RobotEnd* const> ends);
+  /// On a thread for each, and one for all robots.
+  void RunTogether(MessageBoard& board, std::span<RobotEnd* const> ends);
+  /// @param backends  of the run. @param seat  in real time; else null.
+  /// Never throws: what it would is in the robot's end, or in why_.
+  void RunRobot(const Partners& partners, const backend::Registry& backends, RobotEnd& end,
+                loop::SharedTime::Seat* seat = nullptr);
+  /// Sums up what their runs took.
   void TakeTimesOfRobots();
   [[nodiscard]] Json Summary() const;
   void MakeVideo();
@@ -121,11 +147,12 @@ class CellRecorder {
   const CellInputs inputs_;
   run::ResultFolder out_;
   run::WallTimes times_;
+  std::mutex mutex_;           ///< of the console and of why_
+  std::exception_ptr why_{};   ///< the first of the robots' for which the whole cannot go on
   std::deque<RobotEnd> ends_;  ///< in the order of the robots
 };
 
 void CellRecorder::Execute() {
-  run::RequireLockstep(inputs_.cell);
   out_.RequireOther(inputs_.options.scenario);
   run::RequireApartAtStart(inputs_.cell, inputs_.files);
   if (makes_video()) {
@@ -141,9 +168,7 @@ void CellRecorder::Execute() {
   for (const run::Island& island : islands) RunIsland(island);
   times_.run_s = ToSeconds(clock_.Now() - begin);
   TakeTimesOfRobots();
-  for (const RobotEnd& end : ends_) {
-    if (end.why) std::rethrow_exception(end.why);
-  }
+  if (why_) std::rethrow_exception(why_);
   inputs_.console.ThrowIfInterrupted();
   run::WriteWholeFile(out_.scenario(), scenario::ToYaml(inputs_.cell));
   const Json summary = Summary();
@@ -178,10 +203,11 @@ void CellRecorder::RequireSound(const run::Island& island) const {
 }
 
 void CellRecorder::RunRobot(const Partners& partners, const backend::Registry& backends,
-                            RobotEnd& end) {
+                            RobotEnd& end, loop::SharedTime::Seat* seat) {
   const scenario::CellRobot& robot = partners.robots()[partners.own()];
-  RobotConsole console(inputs_.console, robot.name);
+  RobotConsole console(inputs_.console, mutex_, robot.name);
   RunOptions options = inputs_.options;
+  options.settings.threads.seat = seat;
   options.out = out_.folder() / robot.name;
   options.makes_video = false;
   options.hardware = {};
@@ -195,7 +221,8 @@ void CellRecorder::RunRobot(const Partners& partners, const backend::Registry& b
   } catch (const run::NoPlanError& error) {
     end.failure = error.what();
   } catch (...) {
-    end.why = std::current_exception();
+    const std::lock_guard lock(mutex_);
+    if (!why_) why_ = std::current_exception();
     console.Interrupt();  // the others stop, too
   }
   partners.board().End(partners.own(), end.failure);
@@ -210,21 +237,47 @@ void CellRecorder::RunIsland(const run::Island& island) {
   const backend::Registry& known = inputs_.catalogue.backends;
   MessageBoard board(island.robots);
   if (island.robots.size() == 1) return RunRobot(Partners(board, 0), known, *ends.front());
-  const auto shared = plant::SharedModel::Create(run::PlantsOf(island.robots, inputs_.files),
+  common().is_lockstep() ? RunInTurn(board, ends) : RunTogether(board, ends);
+}
+
+void CellRecorder::RunInTurn(MessageBoard& board, std::span<RobotEnd* const> ends) {
+  const auto shared = plant::SharedModel::Create(run::PlantsOf(board.robots(), inputs_.files),
                                                  [] { rt::Fiber::Yield(); });
   std::deque<backend::Registry> seats;
   std::deque<rt::Fiber> runs;
-  for (std::size_t i = 0; i < island.robots.size(); ++i) {
+  for (std::size_t i = 0; i < ends.size(); ++i) {
     const backend::Registry& seat =
-        seats.emplace_back(run::SeatOf(island.robots[i], shared, known));
-    runs.emplace_back([this, partners = Partners(board, i), &seat, end = ends[i]] {
+        seats.emplace_back(run::SeatOf(board.robots()[i], shared, inputs_.catalogue.backends));
+    runs.emplace_back([this, partners = Partners(board, i), &seat, end = ends[i], &shared] {
       RunRobot(partners, seat, *end);
+      shared->Forgo(run::PrefixOf(partners.robots()[partners.own()]));
     });
   }
   rt::ResumeInTurn(runs);
 }
 
+void CellRecorder::RunTogether(MessageBoard& board, std::span<RobotEnd* const> ends) {
+  const auto shared = plant::SharedModel::Create(run::PlantsOf(board.robots(), inputs_.files),
+                                                 rt::FiberThread::GiveWay);
+  loop::SharedTime time(ends.size(), inputs_.options.settings.threads.robot,
+                        [&shared] { shared->Release(); });
+  std::vector<std::jthread> runs;
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    runs.emplace_back([&, i] {
+      const backend::Registry backends =
+          run::SeatOf(board.robots()[i], shared, inputs_.catalogue.backends);
+      // Whoever waits for a word of it learns that none will come.
+      loop::SharedTime::Seat seat(time, [&board, i] { board.End(i, ""); });
+      RunRobot(Partners(board, i), backends, *ends[i], &seat);
+      shared->Forgo(run::PrefixOf(board.robots()[i]));
+    });
+  }
+  runs.clear();
+  for (const std::string& notice : time.notices()) inputs_.console.Note("robots: " + notice);
+}
+
 void CellRecorder::TakeTimesOfRobots() {
+  double longest_s = 0;
   for (const RobotEnd& end : ends_) {
     const Json own = ReadResult(run::ResultFolder(out_.folder() / end.name).timing());
     const double prepare_s = own.value("prepare_s", 0.0);
@@ -232,8 +285,11 @@ void CellRecorder::TakeTimesOfRobots() {
     times_.prepare_s += prepare_s;
     times_.plots_s += plots_s;
     times_.run_s -= prepare_s + plots_s;
+    longest_s = std::max(longest_s, own.value("run_s", 0.0));
     times_.peak_memory_mb = std::max(times_.peak_memory_mb, own.value("peak_memory_mb", 0.0));
   }
+  // In real time they run at once.
+  if (!common().is_lockstep()) times_.run_s = longest_s;
 }
 
 Json CellRecorder::Summary() const {
@@ -275,7 +331,6 @@ void RecordCell(const CellInputs& inputs) {
 
 std::string ValidateCell(const scenario::Cell& cell, const std::filesystem::path& file,
                          const run::Catalogue& catalogue, const run::RunFiles& files) {
-  run::RequireLockstep(cell);
   std::map<std::string, std::string> texts;  // in the order of the names
   std::string together;
   for (const run::Island& island : run::IslandsOf(cell, files)) {

@@ -97,9 +97,11 @@ class RealtimeDrive final : public Drive {
  public:
   RealtimeDrive(const backend::Factory& connect, const robot::RobotConfig& robot,
                 record::RecordSink* sink, const DriveThreads& threads)
-      : threads_(threads),
-        connection_(connect({robot, backend::WallTime{*clock_, threads.robot}, sink})) {}
-  RealtimeDrive(std::unique_ptr<MonotonicClock> clock, backend::Connection connection,
+      : clock_(threads.seat != nullptr ? threads.seat->clock()
+                                       : std::make_shared<MonotonicClock>()),
+        threads_(threads),
+        connection_(connect({robot, backend::WallTime{*clock_, RobotThread(threads)}, sink})) {}
+  RealtimeDrive(std::shared_ptr<MonotonicClock> clock, backend::Connection connection,
                 const DriveThreads& threads)
       : clock_(std::move(clock)), threads_(threads), connection_(std::move(connection)) {}
   ~RealtimeDrive() override { static_cast<void>(End()); }
@@ -111,9 +113,10 @@ class RealtimeDrive final : public Drive {
   [[nodiscard]] Time Now() const override { return clock_->Now(); }
 
   void Begin() override {
-    clock_->Restart();
+    if (threads_.seat == nullptr) clock_->Restart();
     if (connection_.robot_time != nullptr) connection_.robot_time->Begin();
     begun_ = true;
+    if (threads_.seat != nullptr) threads_.seat->Begin();
   }
   [[nodiscard]] RunReport Run(const MotionRun& run) override {
     const MotionRun measured = WithoutModels(run);
@@ -124,18 +127,31 @@ class RealtimeDrive final : public Drive {
   }
   backend::RobotTimings End() override {
     if (connection_.robot_time == nullptr || !begun_) return {};
+    if (threads_.seat != nullptr) EndTogether();
     connection_.robot_time->End();
     return connection_.robot_time->timings();
   }
 
  private:
+  static rt::ThreadSettings RobotThread(const DriveThreads& threads) {
+    rt::ThreadSettings settings = threads.robot;
+    if (threads.seat != nullptr) settings.shared = &threads.seat->thread();
+    return settings;
+  }
+  void EndTogether() {
+    try {
+      connection_.robot_time->StandBy();
+    } catch (const RobotFault&) {  // a thread that stands still stops all the same
+    }
+    threads_.seat->End();
+  }
   void Wait(Time limit) override {
     static_cast<void>(
         connection_.arrival->AwaitUntil(std::min(limit, clock_->Now() + kPollPeriod)));
   }
 
   /// Outlives the backend.
-  const std::unique_ptr<MonotonicClock> clock_ = std::make_unique<MonotonicClock>();
+  const std::shared_ptr<MonotonicClock> clock_;
   const DriveThreads threads_;
   bool begun_ = false;
   backend::Connection connection_;

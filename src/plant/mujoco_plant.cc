@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <set>
 #include <string_view>
@@ -213,20 +214,31 @@ class EngineArms final : public SharedModel {
   }
 
   [[nodiscard]] std::unique_ptr<MujocoPlant> Take(const std::string& prefix) override {
-    for (std::size_t i = 0; i < free_.size(); ++i) {
-      if (!free_[i] || *free_[i] != prefix) continue;
-      free_[i].reset();
-      return std::make_unique<EnginePlant>(world_, i, prefix, uses_meshes_);
+    if (const auto i = FindFree(prefix)) {
+      return std::make_unique<EnginePlant>(world_, *i, prefix, uses_meshes_);
     }
     throw InputError(fmt::format("the shared model has no free arm \"{}\"", prefix));
+  }
+  void Forgo(const std::string& prefix) noexcept override {
+    if (const auto i = FindFree(prefix)) world_->Leave(*i);
   }
   void Release() noexcept override {
     for (std::size_t i = 0; i < world_->size(); ++i) world_->StandBy(i);
   }
 
  private:
+  /// The index of a free arm, which is so no longer; nullopt: there is none of that prefix.
+  std::optional<std::size_t> FindFree(const std::string& prefix) noexcept {
+    const std::lock_guard lock(mutex_);
+    const auto found = std::ranges::find(free_, prefix);
+    if (found == free_.end()) return std::nullopt;
+    found->reset();
+    return static_cast<std::size_t>(found - free_.begin());
+  }
+
   std::shared_ptr<EngineWorld> world_;
   const bool uses_meshes_;
+  std::mutex mutex_;
   std::vector<std::optional<std::string>> free_;  ///< prefixes of arms that are not taken
 };
 

@@ -117,6 +117,10 @@ bool ThreadedRobot::Operate(PanelAction action) {
   });
 }
 
+void ThreadedRobot::StandBy() {
+  Ask([&] { robot_.StandBy(); });
+}
+
 std::optional<plant::Overlap> ThreadedRobot::Place(int body, const Transform& X_WB) {
   return Ask([&] {
     std::optional<plant::Overlap> overlap = robot_.Place(body, X_WB);

@@ -73,6 +73,7 @@ void WallClockRobot::RunEventsUntil(Time until) noexcept {
     lateness_.Add(now - due + postponed_);
     overruns_ += static_cast<std::uint64_t>(postponed_ / robot().period());
     postponed_ = Duration::zero();
+    if (shares_thread()) PostponeBy(clock().Now() - now);
   }
 }
 
@@ -81,7 +82,10 @@ Duration WallClockRobot::AllowedLateness() noexcept {
 }
 
 void WallClockRobot::PostponeIfStalled(Time now) noexcept {
-  const Duration late = now - robot().next_cycle() - AllowedLateness();
+  PostponeBy(now - robot().next_cycle() - AllowedLateness());
+}
+
+void WallClockRobot::PostponeBy(Duration late) noexcept {
   if (late <= kTolerated) return;
   robot().Postpone(late);
   postponed_ += late;

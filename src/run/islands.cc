@@ -148,6 +148,7 @@ backend::Registry SeatOf(const scenario::CellRobot& robot,
     *config = request.robot;
     config->plant.shared = shared;
     config->plant.prefix = prefix;
+    config->catch_up = {};  // each step takes all robots of the model
     return connect({*config, request.time, request.sink});
   });
   return seat;
@@ -161,7 +162,7 @@ std::vector<Island> IslandsOf(const scenario::Cell& cell, const RunFiles& files)
   const std::vector<Ball> objects = FreeObjects(cell.robots.front().scenario);
   Groups groups = GroupsOf(cell, reach, objects);
   const std::size_t robots = cell.robots.size();
-  if (SceneMoves(cell, files)) {
+  if (!cell.common.is_lockstep() || SceneMoves(cell, files)) {
     for (std::size_t i = 1; i < robots + objects.size(); ++i) groups.Join(0, i);
   }
   std::vector<Island> islands;
@@ -181,13 +182,6 @@ std::vector<Island> IslandsOf(const scenario::Cell& cell, const RunFiles& files)
     }
   }
   return islands;
-}
-
-void RequireLockstep(const scenario::Cell& cell) {
-  if (cell.common.is_lockstep()) return;
-  throw InputError(
-      "drive: several robots run in lockstep; say drive: lockstep, or serve them: panda-twin "
-      "serve");
 }
 
 void RequireApartAtStart(const scenario::Cell& cell, const RunFiles& files) {

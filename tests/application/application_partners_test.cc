@@ -22,10 +22,10 @@ class MessageBoardTest : public testing::Test {
 TEST_F(MessageBoardTest, TellsAMessageAfterItsInstant) {
   const Time at{milliseconds(5)};
   left_.Say({.word = "offered", .at = at});
-  EXPECT_EQ(board_.Heard(0, "offered", at), nullptr) << "the order of the robots must not count";
-  ASSERT_NE(board_.Heard(0, "offered", at + milliseconds(1)), nullptr);
-  EXPECT_EQ(board_.Heard(0, "taken", at + milliseconds(1)), nullptr);
-  EXPECT_EQ(board_.Heard(1, "offered", at + milliseconds(1)), nullptr);
+  EXPECT_FALSE(board_.Heard(0, "offered", at)) << "the order of the robots must not count";
+  ASSERT_TRUE(board_.Heard(0, "offered", at + milliseconds(1)));
+  EXPECT_FALSE(board_.Heard(0, "taken", at + milliseconds(1)));
+  EXPECT_FALSE(board_.Heard(1, "offered", at + milliseconds(1)));
 }
 
 TEST_F(MessageBoardTest, TellsTheLastMessageOfAWord) {
@@ -37,11 +37,11 @@ TEST_F(MessageBoardTest, TellsTheLastMessageOfAWord) {
 }
 
 TEST_F(MessageBoardTest, TellsOfAnEndAfterTheLastMessage) {
-  EXPECT_EQ(board_.EndOf(1, Time()), nullptr);
+  EXPECT_FALSE(board_.EndOf(1, Time()));
   right_.Say({.word = "taken", .at = Time(milliseconds(4))});
   board_.End(1, "it fell");
-  EXPECT_EQ(board_.EndOf(1, Time(milliseconds(4))), nullptr) << "its last word is not heard yet";
-  ASSERT_NE(board_.EndOf(1, Time(milliseconds(5))), nullptr);
+  EXPECT_FALSE(board_.EndOf(1, Time(milliseconds(4)))) << "its last word is not heard yet";
+  ASSERT_TRUE(board_.EndOf(1, Time(milliseconds(5))));
   EXPECT_EQ(*board_.EndOf(1, Time(milliseconds(5))), "it fell");
 }
 

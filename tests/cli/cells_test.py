@@ -162,10 +162,22 @@ class CellsTest(unittest.TestCase):
         message = self.refuse(cell(facing.replace("[0 m, 0.3 m", "[0 m, 0 m").replace("[0 m, -0.3 m", "[0.7 m, 0 m")))
         self.assertRegex(message, r"bad.yaml:14: robots: where they start, left/panda_\w+ and right/panda_\w+ overlap by")
         self.assertIn("several robots", self.refuse(two, "--seeds", "2"))
-        self.assertIn("lockstep", self.refuse(two.replace("robots:", "drive: realtime\nrobots:")))
+        self.assertIn("--drive realtime", self.refuse(two, "--ext-cpu", "0"))
         self.assertIn("several robots", self.refuse(two, "--load", command="validate"))
         # What only a run can find, of one of the robots.
         self.assertIn("trajectory", self.refuse(cell(robot("left", 0.6), robot("right", -0.6, seconds=0.01))))
+
+    def test_a_robot_that_cannot_begin_keeps_no_other_waiting(self):
+        lost = """  right:
+    robot: {pose: {position: [0 m, -0.4 m, 0 m]}, q_start: {unit: rad, values: %s}}
+    motion: {plan: {goal: {pose: {position: [3 m, 0 m, 0.5 m], rpy: [180 deg, 0 deg, 0 deg]}}}}
+""" % READY
+        for drive in ("lockstep", "realtime"):
+            path = self.folder / "lost.yaml"
+            path.write_text(cell(robot("left", 0.4), lost))
+            done = self.call("run", path, "--out", self.folder / "out", "--no-video", "--drive", drive)
+            self.assertEqual(done.returncode, 3, done.stderr)
+            self.assertIn("lost.yaml:16: planning: the goal:", done.stderr)
 
     def test_commands_of_one_robot_refuse_several(self):
         path = self.folder / "cell.yaml"

@@ -183,6 +183,28 @@ class RealtimeTest(unittest.TestCase):
             self.assertFalse(hand["is_grasped"])
         self.assert_of_a_whole_run(self.tmp / "out", claim)
 
+    def test_two_robots_hand_an_object_over(self):
+        out = self.tmp / "cell"
+
+        def attempt():
+            done = subprocess.run([PROGRAM, "run", SOURCE / "models/cells/hand_over.yaml", "--drive", "realtime", "--out", out, "--data",
+                                   SOURCE / "models", "--no-video"], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        witness.undisturbed(lambda: witness.Witness(PROGRAM), attempt, witness.A_CLIENT)
+        begun = []
+        for robot in ("left", "right"):
+            # As in lockstep: whose motion has ended is recorded no more, so it saw nothing of what came after.
+            summary = json.loads((out / robot / "summary.json").read_text())
+            self.assertEqual([finding for finding in summary["findings"] if finding["met"] is False], [])
+            subprocess.run([PROGRAM, "export", out / robot / "run.mcap", "--out", self.tmp / robot], check=True, capture_output=True)
+            with open(self.tmp / robot / "cycles.csv", newline="") as table:
+                cycles = [(int(row["at_ns"]), int(row["message_id"])) for row in csv.DictReader(table)]
+            self.assertTrue(all(b[1] == a[1] + 1 for a, b in zip(cycles, cycles[1:])))
+            begun.append(cycles[0])
+        # One clock and one begin: the first cycles are of the same millisecond, whatever the host did.
+        self.assertEqual(begun[0][1], begun[1][1])
+        self.assertLess(abs(begun[0][0] - begun[1][0]), 1_000_000)
+
 
 if __name__ == "__main__":
     PROGRAM, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])

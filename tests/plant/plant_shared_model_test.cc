@@ -150,6 +150,18 @@ TEST(SharedModelTest, HoldsAnArmThatIsGoneByItsBrakes) {
   EXPECT_NEAR(first->data().qpos[elbow], kReady[3], 1e-5);
 }
 
+TEST(SharedModelTest, DoesNotAwaitAnArmOfWhichThePlantWillNotBeTaken) {
+  const auto shared = SharedModel::Create(std::vector{ArmAt("left", 0), ArmAt("right", 1)},
+                                          [] { FAIL() << "there is nobody to wait for"; });
+  const auto left = shared->Take("left/");
+  left->Reset(kReady);
+  shared->Forgo("right/");
+  shared->Forgo("left/");  // is taken
+  left->Step(Braked());
+  EXPECT_EQ(left->plant_time(), kCycle);
+  EXPECT_THROW(static_cast<void>(shared->Take("right/")), InputError);
+}
+
 TEST(SharedModelTest, AwaitsArmsUntilAllStandBy) {
   const Pair pair({ArmAt("left", 0), ArmAt("right", 2)});
   pair.first->StandBy();

@@ -98,10 +98,9 @@ class Cycles final : public record::RecordSink {
 class RealtimeRobotTest : public ::testing::Test {
  protected:
   void Make(
-      const RobotConfig& config, HookedPlant::Hook hook = [](int) {}) {
-    rt::ThreadSettings thread;
-    thread.name = "robot";
-    thread.lock_memory = false;
+      const RobotConfig& config, HookedPlant::Hook hook = [](int) {},
+      rt::FiberThread* shared = nullptr) {
+    const rt::ThreadSettings thread{.name = "robot", .lock_memory = false, .shared = shared};
     robot_.reset();
     cycles_.Clear();
     robot_ = std::make_unique<RealtimeRobot>(config, std::make_unique<HookedPlant>(std::move(hook)),
@@ -185,6 +184,25 @@ TEST_F(RealtimeRobotTest, AStalledCycleIsFollowedByTheNextOnTheGridAndNotByABurs
   EXPECT_GE(cycles[kStalled].at - cycles[kStalled - 1].at, milliseconds(5));
   EXPECT_GE(robot_->overruns(), 4u);
   EXPECT_GE(robot_->lateness().max(), milliseconds(4));
+}
+
+// The others of its thread may begin their cycles up to a period later, after stalls that met them
+// alone; its own state would then go out that much later in every cycle.
+TEST_F(RealtimeRobotTest, OnASharedThreadItsCyclesFollowThoseItHadToWaitFor) {
+  constexpr int kWaited = 20;
+  rt::FiberThread thread({.name = "robots", .lock_memory = false}, {});
+  const auto wait = [this](int step) {
+    const Time until = clock_.Now() + microseconds(600);
+    while (step == kWaited && clock_.Now() < until) rt::FiberThread::GiveWay();
+  };
+  Make(test::PandaRobot(), wait, &thread);
+  robot_->Begin();
+  static_cast<void>(thread.Start());
+  AwaitCycle(40);
+  robot_->End();
+  const auto& cycles = cycles_.kept();
+  ExpectSoundGrid(cycles, robot_->overruns());
+  EXPECT_GE(cycles[kWaited].at - cycles[kWaited - 1].at, kCycle + microseconds(600));
 }
 
 TEST_F(RealtimeRobotTest, MakesUpForAStallWithinCatchUpAndPostponesTheRestOfALongerOne) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
@@ -28,7 +29,7 @@ struct Message {
 
 /// The messages between the applications of robots that can reach each other.
 ///
-/// Threads: one.
+/// Threads: any.
 class MessageBoard {
  public:
   /// @param robots  in the order of their names; must outlive this.
@@ -36,13 +37,15 @@ class MessageBoard {
 
   [[nodiscard]] std::span<const scenario::CellRobot> robots() const noexcept { return robots_; }
   void Say(std::size_t robot, Message message);
-  /// The last message of a word that a robot said before `now`; null: none. Messages of the same
+  /// The last message of a word that a robot said before `now`; nullopt: none. Messages of the same
   /// instant do not count, so that no order among the robots does.
-  [[nodiscard]] const Message* Heard(std::size_t robot, std::string_view word, Time now) const;
+  [[nodiscard]] std::optional<Message> Heard(std::size_t robot, std::string_view word,
+                                             Time now) const;
   /// A robot's task is over; the first call counts. @param failure  empty: it succeeded.
   void End(std::size_t robot, std::string failure);
-  /// Why a robot's task failed, or empty; null while it goes on, or has said what is not heard yet.
-  [[nodiscard]] const std::string* EndOf(std::size_t robot, Time now) const;
+  /// Why a robot's task failed, or empty; nullopt while it goes on, or has said what is not heard
+  /// yet.
+  [[nodiscard]] std::optional<std::string> EndOf(std::size_t robot, Time now) const;
 
  private:
   struct Seat {
@@ -50,6 +53,7 @@ class MessageBoard {
     std::optional<std::string> end;
   };
   const std::span<const scenario::CellRobot> robots_;
+  mutable std::mutex mutex_;  ///< of all below
   std::vector<Seat> seats_;
 };
 

@@ -97,6 +97,9 @@ class RealtimeRobotControl {
   /// Starts the cycles, once; the first is due 1 ms from now. Before that, no state is sent and
   /// commands are lost. @throws InputError if this machine does not support the thread's settings.
   virtual void Begin() = 0;
+  /// Its records end: after return none is put. INT holds the arm, for others that share its model.
+  /// @throws RobotFault when the robot's thread does not answer within 1 s.
+  virtual void StandBy() = 0;
   /// Ends the cycles: after return, no record is put and no state is sent. May be called again.
   virtual void End() = 0;
   /// @pre not between Begin() and End().

@@ -10,6 +10,7 @@
 #include "twin/core/time.h"
 #include "twin/loop/motion_run.h"
 #include "twin/loop/run_report.h"
+#include "twin/loop/shared_time.h"
 #include "twin/record/cycle_record.h"
 #include "twin/robot/robot_config.h"
 #include "twin/rt/thread_setup.h"
@@ -91,6 +92,9 @@ struct DriveThreads {
   rt::ThreadSettings communication{.name = "twin-ext", .fifo_priority = 99};
   /// Runs the controller of the asynchronous loop.
   rt::ThreadSettings controller{.name = "twin-control"};
+  /// Of a simulated robot among several on one thread, which has settings of its own; null: the
+  /// robot is alone. Must outlive the drive, whose Begin() and End() wait for the other robots.
+  SharedTime::Seat* seat = nullptr;
 };
 
 /// @param connect  makes the backend, from `robot`. @param sink  receives the records of cycles and

@@ -25,9 +25,10 @@ namespace twin::plant {
 /// solves the contacts of a model together, so a contact anywhere in it changes the last bits of
 /// all its arms; arms that cannot touch get models of their own (Islands()).
 ///
-/// Threads: one thread for the model and all its plants; or, without a way to let the others go on,
-/// one for each plant, of which Step() waits for the others' steps, and the truth is to be read
-/// where no other thread can take a step meanwhile: after Step(), before the next.
+/// Threads: one thread for the steps of all its plants, which others may make before the first step
+/// and destroy after the last; or, without a way to let the others go on, one for each plant, of
+/// which Step() waits for the others' steps, and the truth is to be read where no other thread can
+/// take a step meanwhile: after Step(), before the next.
 class SharedModel {
  public:
   virtual ~SharedModel() = default;
@@ -45,6 +46,10 @@ class SharedModel {
   /// Its Reset() sets only this arm back, and its Restore() takes all arms back.
   /// @throws InputError if no arm has that prefix, or its plant is taken.
   [[nodiscard]] virtual std::unique_ptr<MujocoPlant> Take(const std::string& prefix) = 0;
+
+  /// The plant of an arm will not be taken: the arm stays with closed brakes, and the others wait for
+  /// it no more. No effect once it is taken. Any thread.
+  virtual void Forgo(const std::string& prefix) noexcept = 0;
 
   /// From now on no arm waits, nor moves: as if all stood by. Any thread.
   virtual void Release() noexcept = 0;

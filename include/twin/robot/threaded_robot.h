@@ -61,6 +61,8 @@ class ThreadedRobot : protected rt::EventHandler {
   [[nodiscard]] SetterStatus Configure(const Setting& setting);
   [[nodiscard]] bool Operate(PanelAction action);
   /// As in Robot, between two cycles.
+  void StandBy();
+  /// As in Robot, between two cycles.
   std::optional<plant::Overlap> Place(int body, const Transform& X_WB);
   /// As in Robot.
   [[nodiscard]] bool has_hand() const noexcept { return robot_.has_hand(); }
@@ -124,6 +126,7 @@ class ThreadedRobot : protected rt::EventHandler {
   [[nodiscard]] rt::EventQueue& events() noexcept { return events_; }
   [[nodiscard]] WorkstationPort& port() noexcept { return port_; }
   [[nodiscard]] const MonotonicClock& clock() const noexcept { return clock_; }
+  [[nodiscard]] bool shares_thread() const noexcept { return thread_settings_.shared != nullptr; }
   /// Whether the hand executes a command.
   [[nodiscard]] bool hand_is_busy() const noexcept {
     return hand_ticket_ != hand_before_ && !robot_.HandOutcome(hand_ticket_ - hand_offset_);

@@ -22,7 +22,9 @@ namespace twin::robot {
 /// RobotConfig::catch_up less those just lost, one right after the other. No command arrives in
 /// them, and INT holds the acceleration, as if only the workstation had stopped. The robot sends
 /// the last of their states only. A cycle later than that by more than 0.25 ms is postponed with
-/// all later ones; skipped whole periods are counted.
+/// all later ones; skipped whole periods are counted. On a shared thread, where a cycle may wait for
+/// those of other robots, so are those after a cycle that took longer than that: the robots' cycles
+/// stay together.
 ///
 /// Threads: as ThreadedRobot; statistics from the thread that calls End(). Real-time: the robot's
 /// thread allocates and locks nothing between Begin() and End().
@@ -48,6 +50,8 @@ class WallClockRobot : public ThreadedRobot {
   /// Lateness up to which the robot makes up for cycles: catch_up less the commands just lost.
   [[nodiscard]] Duration AllowedLateness() noexcept TWIN_REALTIME;
   void PostponeIfStalled(Time now) noexcept TWIN_REALTIME;
+  /// Unless it is little.
+  void PostponeBy(Duration late) noexcept TWIN_REALTIME;
 
   const Duration catch_up_;
   ReceivedCommand received_;

@@ -24,7 +24,7 @@ struct Island {
 
 /// Divides a cell by balls around its robots (plant::ReachOf), which grow by what lies in them,
 /// since a robot may carry it. A free object that no robot reaches goes with the nearest one. A
-/// scene with bodies that move keeps all robots together.
+/// scene with bodies that move, and drive realtime, keep all robots together.
 /// @returns islands in the order of their first robots. @throws InputError, EnvironmentError as
 /// plant::MujocoPlant::Create.
 [[nodiscard]] std::vector<Island> IslandsOf(const scenario::Cell& cell, const RunFiles& files);
@@ -41,9 +41,6 @@ struct Island {
 [[nodiscard]] backend::Registry SeatOf(const scenario::CellRobot& robot,
                                        std::shared_ptr<plant::SharedModel> shared,
                                        const backend::Registry& known);
-
-/// @throws InputError for a cell on another drive.
-void RequireLockstep(const scenario::Cell& cell);
 
 /// @throws InputError where the arms of two robots overlap as they start: names both, and where.
 void RequireApartAtStart(const scenario::Cell& cell, const RunFiles& files);

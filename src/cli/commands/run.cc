@@ -163,6 +163,20 @@ std::string CommandToStart(const RunFlags& flags) {
   return command;
 }
 
+void RequireThreads(const RunFlags& flags, const scenario::Scenario& scenario) {
+  RefuseIf(scenario.is_lockstep() && (flags.ext_cpu || flags.int_cpu),
+           "--ext-cpu and --int-cpu go with --drive realtime: lockstep has one thread");
+}
+
+/// Of all robots. @throws InputError where one does not go with it.
+void ChooseDrive(scenario::Drive drive, scenario::Cell& cell) {
+  cell.common.drive = drive;
+  for (scenario::CellRobot& robot : cell.robots) {
+    robot.scenario.drive = drive;
+    robot.scenario.Validate();
+  }
+}
+
 /// The scenario with what the command line says in its place, validated.
 /// @throws InputError as scenario::Load, and for flags that do not go together.
 scenario::Scenario LoadWithFlags(const RunFlags& flags, const Host& host) {
@@ -174,27 +188,29 @@ scenario::Scenario LoadWithFlags(const RunFlags& flags, const Host& host) {
   RequireRemoteFlags(flags, scenario);
   if (flags.clock_ppm) scenario.robot.clock_drift_ppm = *flags.clock_ppm;
   if (!flags.may_touch.empty()) scenario.motion.touches = flags.may_touch;
-  RefuseIf(scenario.is_lockstep() && (flags.ext_cpu || flags.int_cpu),
-           "--ext-cpu and --int-cpu go with --drive realtime: lockstep has one thread");
+  RequireThreads(flags, scenario);
   scenario.Validate();
   return scenario;
 }
 
 /// @throws InputError for flags of one robot.
 void RequireCellFlags(const RunFlags& flags) {
-  RefuseIf(flags.lab || flags.backend || flags.drive || flags.device || flags.clock_ppm ||
-               flags.ext_cpu || flags.int_cpu || flags.capture || flags.seeds ||
-               !flags.may_touch.empty() || flags.hardware.robot || flags.hardware.allow ||
-               flags.hardware.check_only || flags.hardware.max_speed || flags.page.wanted() ||
-               flags.wait_for_visitor,
-           "this scenario has several robots, which run in lockstep and take of the flags only "
-           "--seed, --out, --strict, --no-video, --quality, --rebuild-cache, --data and --meshes");
+  RefuseIf(
+      flags.lab || flags.backend || flags.device || flags.clock_ppm || flags.capture ||
+          flags.seeds || !flags.may_touch.empty() || flags.hardware.robot || flags.hardware.allow ||
+          flags.hardware.check_only || flags.hardware.max_speed || flags.page.wanted() ||
+          flags.wait_for_visitor,
+      "this scenario has several robots, which take of the flags only --seed, --drive, "
+      "--ext-cpu, --int-cpu, --out, --strict, --no-video, --quality, --rebuild-cache, --data and "
+      "--meshes");
 }
 
 /// A scenario of several robots. @param file  its own.
 int RunCell(const std::filesystem::path& file, const RunFlags& flags, const Program& program) {
   RequireCellFlags(flags);
-  const scenario::Cell cell = scenario::LoadCell(file, flags.seed);
+  scenario::Cell cell = scenario::LoadCell(file, flags.seed);
+  if (flags.drive) ChooseDrive(scenario::DriveFromName(*flags.drive), cell);
+  RequireThreads(flags, cell.common);
   application::RunOptions options = OptionsOf(flags, cell.common);
   RequirePrograms(flags, cell.common, options, program.host);
   Terminal terminal(program.log, program.is_quiet());
