@@ -5,6 +5,7 @@
 #include <exception>
 #include <utility>
 
+#include "twin/core/error.h"
 #include "twin/scenario/data_directory.h"
 
 namespace twin::python {
