@@ -115,8 +115,8 @@ class JointVelocityStages final : public JointStages {
   void Smooth(const RobotState& state, RobotCommand& command) const noexcept override {
     if (low_pass_.is_on()) command.dq_c = low_pass_.Filter(command.dq_c, state.dq_d);
     if (!config_.limiter) return;
-    command.dq_c =
-        reference::LimitJointVelocity(command.dq_c, state.dq_d, state.ddq_d, *config_.limiter);
+    command.dq_c = reference::LimitJointVelocity(command.dq_c, state.q_d, state.dq_d, state.ddq_d,
+                                                 *config_.limiter);
   }
   Viable KeepViable(const RobotState& state, RobotCommand& command) const noexcept override {
     const auto outcome = viability_->NextVelocity(state.q_d, state.dq_d, state.ddq_d, command.dq_c);

@@ -31,7 +31,7 @@ JointReference ApproachStep(const JointReference& reference, const JointVector& 
   most.ddq_max = limits.ddq_max;
   most.dddq_max = limits.dddq_max;
   return reference.AfterVelocity(
-      reference::LimitJointVelocity(dq_c, reference.dq_d, reference.ddq_d, most));
+      reference::LimitJointVelocity(dq_c, reference.q_d, reference.dq_d, reference.ddq_d, most));
 }
 
 }  // namespace twin::onboard

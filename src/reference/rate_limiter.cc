@@ -46,6 +46,7 @@ CartesianBound Inside(const CartesianBound& bound, const std::string& owner) {
 
 ClientLimits ClientLimits::Of(const JointLimits& joint, const CartesianLimits& cartesian) {
   ClientLimits limits;
+  limits.joint = joint;
   for (std::size_t j = 0; j < kJoints; ++j) {
     const std::string owner = fmt::format("joint {}", j + 1);
     limits.dtau_max[j] = Inside(joint.dtau_max[j], kMargin, "dtau_max", owner);
@@ -74,23 +75,39 @@ bool AllFinite(const Values& values) noexcept {
   return std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); });
 }
 
+/// Limits of one axis where it is.
+struct AxisLimits {
+  double v_min = 0;
+  double v_max = 0;
+  double a_max = 0;
+  double j_max = 0;
+};
+
 /// One axis: see the header.
-double LimitVelocity(double v_c, double v, double a, const CartesianBound& bound) noexcept {
-  const double jerk = std::clamp(((v_c - v) / kT - a) / kT, -bound.dddp_max, bound.dddp_max);
-  const double braking = bound.dddp_max / bound.ddp_max;
-  const double highest = std::min(braking * (bound.dp_max - v), bound.ddp_max);
-  const double lowest = std::max(braking * (-bound.dp_max - v), -bound.ddp_max);
+double LimitVelocity(double v_c, double v, double a, const AxisLimits& axis) noexcept {
+  const double jerk = std::clamp(((v_c - v) / kT - a) / kT, -axis.j_max, axis.j_max);
+  const double braking = axis.j_max / axis.a_max;
+  const double highest = std::min(braking * (axis.v_max - v), axis.a_max);
+  const double lowest = std::max(braking * (axis.v_min - v), -axis.a_max);
   return v + std::max(std::min(a + jerk * kT, highest), lowest) * kT;
 }
 
-double LimitPosition(double p_c, double p, double v, double a,
-                     const CartesianBound& bound) noexcept {
+double LimitPosition(double p_c, double p, double v, double a, const AxisLimits& axis) noexcept {
   if (!std::isfinite(p_c)) return p_c;
-  return p + LimitVelocity((p_c - p) / kT, v, a, bound) * kT;
+  return p + LimitVelocity((p_c - p) / kT, v, a, axis) * kT;
 }
 
-CartesianBound BoundOf(const ClientLimits& limits, std::size_t joint) noexcept {
-  return {limits.dq_max[joint], limits.ddq_max[joint], limits.dddq_max[joint]};
+/// Of a joint at q.
+AxisLimits AxisAt(const ClientLimits& limits, std::size_t joint, double q) noexcept {
+  AxisLimits axis{.v_min = -limits.dq_max[joint],
+                  .v_max = limits.dq_max[joint],
+                  .a_max = limits.ddq_max[joint],
+                  .j_max = limits.dddq_max[joint]};
+  if (limits.joint.deceleration[joint] == 0) return axis;
+  const double margin = limits.joint.dq_max[joint] - limits.dq_max[joint];
+  axis.v_max = std::max(limits.joint.UpperVelocity(joint, q) - margin, 0.0);
+  axis.v_min = std::min(limits.joint.LowerVelocity(joint, q) + margin, 0.0);
+  return axis;
 }
 
 /// Distance along the unit vector u from v to the sphere of radius v_max, or, if the line misses
@@ -126,17 +143,18 @@ JointVector LimitJointPosition(const JointVector& q_c, const JointVector& q_d,
                                const ClientLimits& limits) noexcept {
   JointVector q;
   for (std::size_t j = 0; j < kJoints; ++j) {
-    q[j] = LimitPosition(q_c[j], q_d[j], dq_d[j], ddq_d[j], BoundOf(limits, j));
+    q[j] = LimitPosition(q_c[j], q_d[j], dq_d[j], ddq_d[j], AxisAt(limits, j, q_d[j]));
   }
   return q;
 }
 
-JointVector LimitJointVelocity(const JointVector& dq_c, const JointVector& dq_d,
-                               const JointVector& ddq_d, const ClientLimits& limits) noexcept {
+JointVector LimitJointVelocity(const JointVector& dq_c, const JointVector& q_d,
+                               const JointVector& dq_d, const JointVector& ddq_d,
+                               const ClientLimits& limits) noexcept {
   JointVector dq = dq_c;
   for (std::size_t j = 0; j < kJoints; ++j) {
     if (!std::isfinite(dq_c[j])) continue;
-    dq[j] = LimitVelocity(dq_c[j], dq_d[j], ddq_d[j], BoundOf(limits, j));
+    dq[j] = LimitVelocity(dq_c[j], dq_d[j], ddq_d[j], AxisAt(limits, j, q_d[j]));
   }
   return dq;
 }
@@ -177,7 +195,9 @@ Vector6 LimitCartesianVelocity(const Vector6& O_dP_EE_c, const Vector6& last,
 
 Elbow LimitElbow(const Elbow& elbow_c, const Elbow& last, const Elbow& delbow_c,
                  const Elbow& ddelbow_c, const ClientLimits& limits) noexcept {
-  return {LimitPosition(elbow_c[0], last[0], delbow_c[0], ddelbow_c[0], limits.elbow), elbow_c[1]};
+  const CartesianBound& bound = limits.elbow;
+  const AxisLimits axis{-bound.dp_max, bound.dp_max, bound.ddp_max, bound.dddp_max};
+  return {LimitPosition(elbow_c[0], last[0], delbow_c[0], ddelbow_c[0], axis), elbow_c[1]};
 }
 
 }  // namespace twin::reference

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 
 #include "reference/reference_samples.h"
+#include "support/fr3_limits.h"
 #include "support/panda_limits.h"
 #include "support/realtime_guard.h"
 
@@ -102,7 +103,8 @@ TEST(RateLimiterTest, LeavesAnAdmissibleMotionAsItIs) {
       dq[j] = 0.5 * amplitude * omega * std::sin(omega * k * kT);
     }
     const JointVector q_s = Limited(q, by_position, limits);
-    const JointVector dq_s = LimitJointVelocity(dq, by_velocity.dq_d, by_velocity.ddq_d, limits);
+    const JointVector dq_s =
+        LimitJointVelocity(dq, by_velocity.q_d, by_velocity.dq_d, by_velocity.ddq_d, limits);
     for (std::size_t j = 0; j < kJoints; ++j) {
       ASSERT_NEAR(q_s[j], q[j], 1e-12) << "cycle " << k;
       ASSERT_NEAR(dq_s[j], dq[j], 1e-12) << "cycle " << k;
@@ -146,6 +148,47 @@ TEST(RateLimiterTest, NoSequenceOfPositionsBreaksVelocityAccelerationOrJerk) {
   }
 }
 
+// Joints 5 and 7 of an FR3 are left out: their limit shrinks by up to 17 rad/s^2, and they brake by
+// 10, so that nothing can keep it which looks ahead as little as this law.
+TEST(RateLimiterTest, TowardsAnEndTheVelocityStaysWithinTheLimitThatShrinksThere) {
+  const JointLimits fr3 = test::Fr3Limits();
+  const ClientLimits limits = ClientLimits::Of(fr3, test::PandaCartesianLimits());
+  for (const bool by_position : {false, true}) {
+    for (const double way : {1.0, -1.0}) {
+      RobotReference robot;
+      for (std::size_t j = 0; j < kJoints; ++j) robot.q_d[j] = (fr3.q_min[j] + fr3.q_max[j]) / 2;
+      JointVector largest{};  // share of a limit that has shrunk
+      for (int k = 0; k < 5000; ++k) {
+        const RobotReference before = robot;
+        JointVector dq;
+        JointVector q;
+        for (std::size_t j = 0; j < kJoints; ++j) {
+          dq[j] = way * fr3.dq_max[j];
+          q[j] = robot.q_d[j] + dq[j] * kT;
+        }
+        if (by_position) {
+          robot.TakePosition(Limited(q, robot, limits));
+        } else {
+          robot.TakeVelocity(LimitJointVelocity(dq, robot.q_d, robot.dq_d, robot.ddq_d, limits));
+        }
+        for (const std::size_t j : {0, 1, 2, 3, 5}) {
+          const double limit = fr3.VelocityLimit(j, before.q_d[j], way);
+          ASSERT_LE(way * robot.dq_d[j], limit + kTolerance)
+              << "joint " << j + 1 << ", cycle " << k;
+          if (limit > 0.1 && limit < 0.9 * fr3.dq_max[j]) {
+            largest[j] = std::max(largest[j], way * robot.dq_d[j] / limit);
+          }
+        }
+      }
+      for (const std::size_t j : {0, 1, 2, 3, 5}) {
+        EXPECT_GT(largest[j], 0.95) << "joint " << j + 1;
+        EXPECT_NEAR(robot.dq_d[j], 0, 1e-6) << "joint " << j + 1;
+        EXPECT_LT(std::abs((way > 0 ? fr3.q_max : fr3.q_min)[j] - robot.q_d[j]), 0.02);
+      }
+    }
+  }
+}
+
 TEST(RateLimiterTest, NoSequenceOfVelocitiesBreaksVelocityAccelerationOrJerk) {
   const ClientLimits limits = PandaClientLimits();
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
@@ -154,7 +197,7 @@ TEST(RateLimiterTest, NoSequenceOfVelocitiesBreaksVelocityAccelerationOrJerk) {
     Excess worst;
     for (std::uint64_t k = 0; k < 100'000; ++k) {
       robot.TakeVelocity(
-          LimitJointVelocity(WildPosition(random, k), robot.dq_d, robot.ddq_d, limits));
+          LimitJointVelocity(WildPosition(random, k), robot.q_d, robot.dq_d, robot.ddq_d, limits));
       robot.Record(limits.dq_max, limits.ddq_max, limits.dddq_max, worst);
     }
     EXPECT_LE(worst.dq, 1 + kTolerance) << "seed " << seed;
@@ -264,7 +307,7 @@ TEST(RateLimiterTest, HandsOnWhatIsNotFinite) {
   const double infinity = std::numeric_limits<double>::infinity();
   const JointVector bad{std::nan(""), infinity, -infinity, 5, 0, 0, 0};
   for (const JointVector& out :
-       {LimitJointPosition(bad, {}, {}, {}, limits), LimitJointVelocity(bad, {}, {}, limits),
+       {LimitJointPosition(bad, {}, {}, {}, limits), LimitJointVelocity(bad, {}, {}, {}, limits),
         LimitTorque(bad, {}, limits)}) {
     EXPECT_TRUE(std::isnan(out[0]));
     EXPECT_EQ(out[1], infinity);
@@ -282,7 +325,7 @@ TEST(RateLimiterTest, AllocatesNothing) {
   for (std::uint64_t k = 0; k < 10'000; ++k) {
     const JointVector wild = WildPosition(random, k);
     robot.TakePosition(Limited(wild, robot, limits));
-    robot.TakeVelocity(LimitJointVelocity(wild, robot.dq_d, robot.ddq_d, limits));
+    robot.TakeVelocity(LimitJointVelocity(wild, robot.q_d, robot.dq_d, robot.ddq_d, limits));
     tau = LimitTorque(wild, tau, limits);
   }
   EXPECT_EQ(guard.counts(), test::RealtimeGuard::Counts{});

@@ -18,11 +18,17 @@ namespace twin::reference {
 /// 1.7 m/s. So the robot aborts a pose motion above 1.7 m/s that passes this limiter
 /// (cartesian_motion_generator_velocity_limits_violation), with libfranka as here. Which of the two
 /// the real robot applies is not public.
+///
+/// Where a joint's velocity limit shrinks towards the ends of its range (FR3), so does the
+/// client's, by the same reductions of the limit at q_d, as in libfranka 0.18
+/// (computeUpperLimitsJointVelocity). Decision: never beyond zero, where libfranka would move a
+/// joint at rest near an end away from it.
 struct ClientLimits {
   JointVector dq_max{};    ///< rad/s; kMaxJointVelocity: 2.129003 2.151503 2.144003 2.136503 ...
   JointVector ddq_max{};   ///< rad/s^2; kMaxJointAcceleration: 14.999 7.499 9.999 12.499 ...
   JointVector dddq_max{};  ///< rad/s^3; kMaxJointJerk: 7499.999 3749.999 4999.999 6249.999 ...
   JointVector dtau_max{};  ///< Nm/s; kMaxTorqueRate: 999.999
+  JointLimits joint{};     ///< of the robot: where the velocity limit shrinks; else unused
   CartesianBound translation;  ///< kMaxTranslational...: 1.960003 m/s, 12.999 m/s^2, 6499.999 m/s^3
   CartesianBound rotation;     ///< kMaxRotational...: 2.424003, 24.999, 12499.999 rad/s^n; poses:
                                ///< 0.99 of it (kFactorCartesianRotationPoseInterface, RateLimiter)
@@ -44,7 +50,9 @@ struct ClientLimits {
 // Cartesian motion are limited together, by Euclidean norms: the jerk's norm by J, then the
 // acceleration along its own direction by A and by J/A times the distance to the sphere of speed V.
 //
-// Guarantees for any commands (J/A T <= 1, as for every Panda limit):
+// Where the velocity limit depends on the position, V and -V are those at q_d.
+//
+// Guarantees for any commands and constant limits (J/A T <= 1, as for every Panda limit):
 // - One axis, from rest, every command delivered: velocity, acceleration and jerk within V, A, J.
 // - One axis, runs of n <= 3 lost commands: velocity within V + 3 T A, the reason for the margin in
 //   ClientLimits; acceleration within A, but 4 J T - A (1.0003 A) after three losses towards -V,
@@ -72,8 +80,8 @@ namespace twin::reference {
                                              const ClientLimits& limits) noexcept TWIN_REALTIME;
 
 /// Joint velocity. @param dq_c  commanded, rad/s. The other arguments are those of the state.
-[[nodiscard]] JointVector LimitJointVelocity(const JointVector& dq_c, const JointVector& dq_d,
-                                             const JointVector& ddq_d,
+[[nodiscard]] JointVector LimitJointVelocity(const JointVector& dq_c, const JointVector& q_d,
+                                             const JointVector& dq_d, const JointVector& ddq_d,
                                              const ClientLimits& limits) noexcept TWIN_REALTIME;
 
 /// Torque: changes by at most dtau_max T. @param tau_J_d_c  commanded, Nm. @param tau_J_d  that of
