@@ -111,11 +111,11 @@ function(twin_register_test name)
     list(APPEND TEST_LABELS memory)
   endif()
   add_test(NAME ${name} COMMAND ${TEST_COMMAND})
-  # XDG_STATE_HOME keeps what runs leave about themselves out of the user's folders. LSAN_OPTIONS counts under the asan preset
-  # only: what libraries leak is named there, what we leak fails.
+  # XDG_STATE_HOME keeps what runs leave about themselves out of the user's folders. LSAN_OPTIONS and TSAN_OPTIONS
+  # count under their presets only: what libraries do is named there, what we do fails.
   set_tests_properties(${name} PROPERTIES LABELS "${TEST_LABELS}" TIMEOUT ${TEST_TIMEOUT}
     SKIP_RETURN_CODE ${TWIN_SKIPPED} SKIP_REGULAR_EXPRESSION "${TWIN_UNITTEST_SKIPPED}"
-    ENVIRONMENT "XDG_STATE_HOME=${CMAKE_BINARY_DIR}/state;LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/lsan.supp:print_suppressions=0")
+    ENVIRONMENT "XDG_STATE_HOME=${CMAKE_BINARY_DIR}/state;LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/lsan.supp:print_suppressions=0;TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/tsan.supp:print_suppressions=0")
   if(name IN_LIST TWIN_LONG_TESTS)
     set_tests_properties(${name} PROPERTIES COST 1)
   endif()

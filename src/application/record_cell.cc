@@ -1,6 +1,8 @@
 #include "twin/application/record_cell.h"
 
 #include <algorithm>
+#include <atomic>
+#include <cstdint>
 #include <deque>
 #include <exception>
 #include <fstream>
@@ -10,6 +12,7 @@
 #include <mutex>
 #include <optional>
 #include <span>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -164,15 +167,15 @@ void CellRecorder::Execute() {
   out_.Prepare();
   out_.Clear();
   times_.prepare_s = ToSeconds(clock_.Now().time_since_epoch());
+  run::WriteWholeFile(out_.scenario(), scenario::ToYaml(inputs_.cell));
   const Time begin = clock_.Now();
   for (const run::Island& island : islands) RunIsland(island);
   times_.run_s = ToSeconds(clock_.Now() - begin);
   TakeTimesOfRobots();
-  if (why_) std::rethrow_exception(why_);
-  inputs_.console.ThrowIfInterrupted();
-  run::WriteWholeFile(out_.scenario(), scenario::ToYaml(inputs_.cell));
   const Json summary = Summary();
   run::WriteWholeFile(out_.summary(), run::TextOf(summary));
+  if (why_) std::rethrow_exception(why_);
+  inputs_.console.ThrowIfInterrupted();
   times_.real_time_factor = summary.value("simulated_s", 0.0) / times_.run_s;
   if (makes_video()) MakeVideo();
   run::WriteWholeFile(out_.timing(), run::TimingJson(times_, {}));
@@ -192,12 +195,14 @@ void CellRecorder::RequireSound(const run::Island& island) const {
   for (std::size_t i = 0; i < island.robots.size(); ++i) {
     const scenario::Scenario& scenario = island.robots[i].scenario;
     const Partners partners(board, i);
-    // A motion that is planned is judged when it is planned.
-    if (scenario.motion.plan) continue;
     if (scenario.application) {
       static_cast<void>(Make(scenario, &partners));
-    } else {
-      static_cast<void>(run::Run(scenario, inputs_.catalogue, inputs_.files, nullptr));
+      continue;
+    }
+    try {
+      static_cast<void>(
+          run::Run(scenario, inputs_.catalogue, FilesFor(partners, inputs_.files), nullptr));
+    } catch (const run::NoPlanError&) {  // of this robot alone, whose run will say so
     }
   }
 }
@@ -261,9 +266,17 @@ void CellRecorder::RunTogether(MessageBoard& board, std::span<RobotEnd* const> e
                                                  rt::FiberThread::GiveWay);
   loop::SharedTime time(ends.size(), inputs_.options.settings.threads.robot,
                         [&shared] { shared->Release(); });
+  enum Go : std::uint8_t { kNotYet, kYes, kNo };
+  std::atomic<Go> go = kNotYet;  // once each has its thread: they wait for each other
   std::vector<std::jthread> runs;
-  for (std::size_t i = 0; i < ends.size(); ++i) {
+  const auto tell = [&go](Go what) {
+    go = what;
+    go.notify_all();
+  };
+  const auto start = [&](std::size_t i) {
     runs.emplace_back([&, i] {
+      go.wait(kNotYet);
+      if (go == kNo) return;
       const backend::Registry backends =
           run::SeatOf(board.robots()[i], shared, inputs_.catalogue.backends);
       // Whoever waits for a word of it learns that none will come.
@@ -271,7 +284,15 @@ void CellRecorder::RunTogether(MessageBoard& board, std::span<RobotEnd* const> e
       RunRobot(Partners(board, i), backends, *ends[i], &seat);
       shared->Forgo(run::PrefixOf(board.robots()[i]));
     });
+  };
+  try {
+    for (std::size_t i = 0; i < ends.size(); ++i) start(i);
+  } catch (const std::system_error& error) {
+    tell(kNo);
+    throw EnvironmentError(fmt::format(
+        "the operating system refused a thread for each robot: {}; see ulimit -u", error.what()));
   }
+  tell(kYes);
   runs.clear();
   for (const std::string& notice : time.notices()) inputs_.console.Note("robots: " + notice);
 }
@@ -341,7 +362,7 @@ std::string ValidateCell(const scenario::Cell& cell, const std::filesystem::path
       texts[robot.name] = Validate(robot.scenario, file, catalogue, FilesFor(partners, files),
                                    LibraryCheck::kNotLoaded, &partners);
     }
-    if (island.robots.size() > 1) {
+    if (island.robots.size() > 1 && cell.common.is_lockstep()) {
       together += fmt::format("  reach each other  {}\n", NamesOf(island));
     }
   }

@@ -347,6 +347,7 @@ void RunRecorder::Perform() {
   const Time begin = clock_.Now();
   outcome_ = Perform(hooks);
   times_.run_s = SecondsSince(begin);
+  if (const auto* seat = settings_.threads.seat) times_.run_s -= ToSeconds(seat->waited());
   times_.real_time_factor = ToSeconds(outcome_.simulated) / times_.run_s;
   for (const record::PlanRecord& plan : outcome_.plans) records_.Add(plan);
   times_.records_dropped = records_.Finish();

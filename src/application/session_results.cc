@@ -39,7 +39,9 @@ double SecondsOf(Time time) {
 }
 
 std::string KindOf(const LoggedMotion& motion) {
-  return fmt::format("{} motion under {}", Name(motion.generator), Name(motion.controller));
+  const bool is_torque = motion.generator == MotionGeneratorMode::kNone;
+  return fmt::format("{} motion under {}", is_torque ? "torque" : Name(motion.generator),
+                     Name(motion.controller));
 }
 
 /// Writes the logs of a session's motions, one after the other.
@@ -99,13 +101,22 @@ class LogSplitter {
     log_->Put(cycle);
   }
 
+  [[nodiscard]] static bool TellsAnEnd(const record::EventRecord& event) {
+    return event.kind == "motion" && !event.text.starts_with("started");
+  }
   /// Whether an event of the motion's first cycle tells the end of the one before.
   [[nodiscard]] bool EndsAnother(const record::EventRecord& event) const {
-    return event.kind == "motion" && event.at == Motion().begin &&
-           !event.text.starts_with("started");
+    return TellsAnEnd(event) && event.at == Motion().begin;
   }
 
   void Next() {
+    // Its end may be told at the instant at which the next one begins.
+    const Time until = Until();
+    for (; events_ < std::ssize(session_.events); ++events_) {
+      const record::EventRecord& event = session_.events[static_cast<std::size_t>(events_)];
+      if (event.at > until) break;
+      if (event.at < until || TellsAnEnd(event)) log_->Event(event.at, event.kind, event.text);
+    }
     static_cast<void>(log_->Finish());
     log_.reset();
     ++motion_;

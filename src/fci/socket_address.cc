@@ -22,7 +22,8 @@ Endpoint Ask(int (*ask)(int, sockaddr*, socklen_t*) noexcept, int fd) noexcept {
 }
 
 std::string_view CureOf(int error) noexcept {
-  if (error == EADDRINUSE) return "end the program that uses it, or take another port";
+  if (error == EADDRINUSE)
+    return "end the program that uses it, take another port, or another address (--bind)";
   if (error == EADDRNOTAVAIL) return "take an address of this machine (`ip address` lists them)";
   if (error == EACCES) return "take a port above 1023";
   return "look at the machine's network";

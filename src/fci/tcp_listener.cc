@@ -22,7 +22,7 @@ TcpListener::TcpListener(const Endpoint& local) : fd_(OpenSocket(SOCK_STREAM)) {
   Bind(fd_.get(), local);
   if (listen(fd_.get(), kBacklog) == 0) return;
   throw EnvironmentError(fmt::format(
-      "{} cannot be listened at: {}; end the program that uses it, or take another port",
+      "{} cannot be listened at: {}; end the program that uses it, take another port, or another address (--bind)",
       ToString(local), ReasonOf(errno)));
 }
 

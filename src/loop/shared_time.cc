@@ -36,7 +36,9 @@ void SharedTime::Seat::Begin() {
 void SharedTime::Seat::End() {
   if (!has_begun_ || std::exchange(has_ended_, true)) return;
   if (on_end_) on_end_();
+  const Time begin = time_.clock_->Now();
   time_.all_.arrive_and_wait();
+  waited_ = time_.clock_->Now() - begin;
 }
 
 }  // namespace twin::loop

@@ -65,9 +65,10 @@ std::vector<Ball> FreeObjects(const scenario::Scenario& scenario) {
 
 robot::RobotConfig ConfigOf(const scenario::CellRobot& robot, const RunFiles& files) {
   const scenario::Scenario& scenario = robot.scenario;
-  return MakeRobotConfig(
-      scenario, scenario::LoadRobotData(files.models, scenario.robot.model, scenario.robot.hand),
-      files);
+  const scenario::RobotData data = scenario::At(scenario.places.robot, scenario.robot.model, [&] {
+    return scenario::LoadRobotData(files.models, scenario.robot.model, scenario.robot.hand);
+  });
+  return MakeRobotConfig(scenario, data, files);
 }
 
 /// Whether bodies of the scene's own file move.

@@ -173,9 +173,15 @@ fs::path FindLog(const fs::path& named) {
   if (fs::exists(results.log(), error)) return results.log();
   fs::path partial = PartialOf(results.log());
   if (fs::exists(partial, error)) return partial;
+  const std::string name = results.log().filename().string();
+  for (const fs::directory_entry& entry : fs::directory_iterator(named, error)) {
+    if (!fs::exists(entry.path() / name, error)) continue;
+    throw InputError(fmt::format("{} is of several robots; name one of them: {}", named.string(),
+                                 entry.path().string()));
+  }
   throw InputError(fmt::format(
       "{} holds no {}; name a run's log, or the folder of a run that kept one (record: true)",
-      named.string(), results.log().filename().string()));
+      named.string(), name));
 }
 
 void WriteWholeFile(const fs::path& file, std::string_view text) {

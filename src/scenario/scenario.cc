@@ -79,7 +79,7 @@ void ValidateHand(const Scenario& scenario) {
   if (scenario.hand.empty()) return;
   RefuseIf(scenario.robot.hand == plant::HandKind::kNone,
            "hand: robot.hand is none, so there is nothing to command; say robot: {hand: "
-           "franka_hand}, or leave the commands out");
+           "franka_hand}, or {hand: cobot_pump} to suck, or leave the commands out");
   const HandDevice device = plant::DeviceOf(scenario.robot.hand);
   for (const HandEvent& event : scenario.hand) {
     if (const auto bad = FindBadValue(event.command, 0, device)) {

@@ -18,6 +18,10 @@ bool IsAllowance(const fci::Deviation& deviation) noexcept {
   return allows(deviation.translation) && allows(deviation.rotation) && allows(deviation.elbow);
 }
 
+std::string_view KindOf(MotionGeneratorMode generator) noexcept {
+  return generator == MotionGeneratorMode::kNone ? "torque" : Name(generator);
+}
+
 std::string_view EndText(MoveStatus end) noexcept {
   switch (end) {
     case MoveStatus::kSuccess: return "finished";
@@ -101,7 +105,7 @@ MoveStatus ArmRequestHandler::Move(const fci::Move& move) {
     case MoveStatus::kMotionStarted:
       in_motion_ = true;
       stop_asked_ = false;
-      tell_(fmt::format("arm: motion started: {} motion under {}", Name(move.modes.generator),
+      tell_(fmt::format("arm: motion started: {} motion under {}", KindOf(move.modes.generator),
                         Name(move.modes.controller)));
       break;
     case MoveStatus::kInvalidArgumentRejected:

@@ -5,9 +5,11 @@ import json
 import pathlib
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 PROGRAM, SOURCE = "", pathlib.Path()
@@ -172,12 +174,36 @@ class CellsTest(unittest.TestCase):
     robot: {pose: {position: [0 m, -0.4 m, 0 m]}, q_start: {unit: rad, values: %s}}
     motion: {plan: {goal: {pose: {position: [3 m, 0 m, 0.5 m], rpy: [180 deg, 0 deg, 0 deg]}}}}
 """ % READY
+        self.run_file(cell(robot("left", 0.4), robot("right", -0.4)), "out")
         for drive in ("lockstep", "realtime"):
             path = self.folder / "lost.yaml"
             path.write_text(cell(robot("left", 0.4), lost))
             done = self.call("run", path, "--out", self.folder / "out", "--no-video", "--drive", drive)
             self.assertEqual(done.returncode, 3, done.stderr)
             self.assertIn("lost.yaml:16: planning: the goal:", done.stderr)
+            # Earlier results are as they were.
+            self.assertEqual(json.loads((self.folder / "out/summary.json").read_text())["outcome"], "success")
+
+    def test_what_was_recorded_until_an_interrupt_can_be_drawn(self):
+        for drive in ("lockstep", "realtime"):
+            path, out = self.folder / "long.yaml", self.folder / drive
+            path.write_text(cell(robot("left", 0.4, seconds=1000), robot("right", -0.4, seconds=1000)))
+            process = subprocess.Popen([PROGRAM, "run", path, "--out", out, "--no-video", "--drive", drive, "--data", SOURCE / "models"],
+                                       stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            self.addCleanup(process.kill)
+            while process.poll() is None and not (out / "right/run.mcap.partial").exists():
+                time.sleep(0.01)
+            time.sleep(0.5)  # of the motion
+            process.send_signal(signal.SIGINT)
+            _, said = process.communicate(timeout=100)
+            self.assertEqual(process.returncode, 130, said)
+            summary = json.loads((out / "summary.json").read_text())
+            self.assertEqual([robot["outcome"] for robot in summary["robots"].values()], ["interrupted"] * 2)
+            drawn = self.call("render", out, "--at", "0.3", "--out", self.folder / "a.png")
+            self.assertEqual(drawn.returncode, 0, drawn.stderr)
+            told = subprocess.run([PROGRAM, "explain", out], capture_output=True, text=True)
+            self.assertEqual(told.returncode, 3)
+            self.assertRegex(told.stderr, f"{out} is of several robots; name one of them: {out}/(left|right)\n")
 
     def test_commands_of_one_robot_refuse_several(self):
         path = self.folder / "cell.yaml"

@@ -97,6 +97,20 @@ class Fr3Test(unittest.TestCase):
         self.assertEqual(facts["reference_moved"], 0)
         self.assertEqual(facts["mode"], "Idle")
 
+    def test_a_session_tells_of_torques_and_of_motions_right_after_each_other(self):
+        with tempfile.TemporaryDirectory() as folder:
+            out = pathlib.Path(folder, "session")
+            with TwinServer(PROGRAM, SOURCE, "lockstep", "--model", "fr3", "--idle", "freeze", "--out", out) as server:
+                run_client(server, "pylibfranka_torques")
+                run_client(server, "franky_moves")
+            motions = json.loads((out / "summary.json").read_text())["motions"]
+            self.assertEqual((motions[0]["motion_generator"], motions[0]["controller"]), ("none", "external"))
+            self.assertGreater(len(motions), 3)
+            self.assertEqual({motion["end"] for motion in motions}, {"finished"})
+            for number in range(1, len(motions) + 1):
+                done = subprocess.run([PROGRAM, "explain", out / "motions" / str(number)], capture_output=True, text=True, timeout=60)
+                self.assertIn(": no error;", done.stdout, f"motion {number}: {done.stdout}{done.stderr}")
+
     def test_asynchronous_goals(self):
         facts = self.run_program("pylibfranka_asynchronous")
         self.assertEqual(facts["reached"], "kTargetReached")

@@ -15,7 +15,7 @@ import pyarrow.parquet as pq
 from mcap.writer import Writer as McapWriter
 from rosbags.rosbag2 import StoragePlugin
 
-from panda_twin.identify import Recording
+from panda_twin.identify import Recording, compare
 from identify_logs import JOINTS, MAPPING, STORE, LogsCase, arm_topic, bag, joint_state, libfranka_csv, motion, table_csv, whole
 
 
@@ -181,6 +181,12 @@ class BadLogsTest(LogsCase):
                 self.refused("column iiwa_joint_1 is named after another robot", file, mapping)
         self.refused("q has 6 of 7 numbers", {**self.panda_py(), "q": self.motion["q"][:, :6]})
         self.refused("it has no row", {**self.panda_py(), "q": []})
+
+    def test_a_twin_with_dynamics_of_its_own_is_refused(self):
+        way = [{"q": [0, -0.8, 0, -2.4, 0, 1.6, 0.8]}, {"q": [0.2, -0.8, 0, -2.4, 0, 1.6, 0.8]}]
+        fr3 = {"name": "a", "robot": {"model": "fr3"}, "motion": {"trajectory": {"unit": "rad", "duration": "2 s", "waypoints": way}}}
+        with self.assertRaisesRegex(ValueError, "robot.model is fr3: .* the Panda's dynamics only"):
+            compare(self.table, mapping=MAPPING, against=fr3)
 
     def test_a_bag_without_metadata_and_mcap_of_others(self):
         cut = bag(self.folder / "cut_short", {"/joint_states": arm_topic(self.motion)}, StoragePlugin.SQLITE3)

@@ -406,8 +406,7 @@ TEST(LogSchemaTest, NumbersModesAndFatesAsCoreAndRtDo) {
   EXPECT_EQ(pb::TICK_ACTION_SKIPPED, static_cast<int>(record::TickAction::kSkipped));
   EXPECT_EQ(pb::ROBOT_MODE_AUTOMATIC_ERROR_RECOVERY,
             static_cast<int>(RobotMode::kAutomaticErrorRecovery));
-  EXPECT_EQ(pb::MOTION_GENERATOR_MODE_CARTESIAN_VELOCITY,
-            static_cast<int>(MotionGeneratorMode::kCartesianVelocity));
+  EXPECT_EQ(pb::MOTION_GENERATOR_MODE_NONE, static_cast<int>(MotionGeneratorMode::kNone));
   EXPECT_EQ(pb::CONTROLLER_MODE_OTHER, static_cast<int>(ControllerMode::kOther));
 }
 

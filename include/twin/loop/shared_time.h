@@ -75,6 +75,8 @@ class SharedTime::Seat {
   /// Waits until time has ended for all; the thread has then stopped. A second call, and one
   /// without Begin(), has no effect.
   void End();
+  /// How long End() has waited for the others.
+  [[nodiscard]] Duration waited() const noexcept { return waited_; }
 
  private:
   SharedTime& time_;
@@ -82,6 +84,7 @@ class SharedTime::Seat {
   std::unique_lock<std::mutex> ready_;
   bool has_begun_ = false;
   bool has_ended_ = false;
+  Duration waited_{};
 };
 
 }  // namespace twin::loop

@@ -115,9 +115,11 @@ class TwinModel:
 
     @classmethod
     def of(cls, scenario: Scenario) -> TwinModel:
-        """Return the model of a scenario's plant."""
+        """Return the model of a scenario's plant. Raise ValueError for a robot with dynamics of its own."""
         keys: Mapping[str, Any] = scenario.to_dict()
         plant, robot = keys.get("plant", {}), keys.get("robot", {})
+        if (name := robot.get("model", "panda")) != "panda":
+            raise ValueError(f"the scenario's robot.model is {name}: compare and identify reckon with the Panda's dynamics only; name a log, or a scenario, of a panda")
         scale = float(plant.get("mass_scale", 1))
         is_ideal = plant.get("kind") == "ideal"  # which has the controller's own figures, no friction, and torques of the instant
         arm = np.asarray(_core.model_parameters(not is_ideal))

@@ -68,8 +68,9 @@ int Serve(const ServeFlags& flags, const Program& program) {
 }  // namespace
 
 void AddServe(CLI::App& app, Program& program) {
-  const auto [serve, flags] = AddCommand(
-      app, program, "serve", "Serve a robot to programs made for it (FCI protocol 5)", &Serve);
+  const auto [serve, flags] =
+      AddCommand(app, program, "serve",
+                 "Serve a robot to programs made for it (FCI protocol 5, an FR3: 10)", &Serve);
   Add(serve, "scenario FILE", flags.scenario, "Scenario file (default: the ready pose, no scene)");
   AddLab(serve, flags.lab);
   Add(serve, "--model NAME", flags.model,

@@ -131,7 +131,7 @@ def _checked(name: str, keys: Any) -> ColumnMap:
     robot = keys.get("robot", "panda")
     if robot not in ("panda", "fr3"):
         raise ValueError(
-            f"{name}: robot is {robot}; the twin is a Panda, and only logs of a panda (or of an fr3, with its own dynamics) "
+            f"{name}: robot is {robot}; the twin is a Panda, and only logs of a panda (or, by the Panda's dynamics, of an fr3) "
             f"can be compared"
         )
     for key in ("separator", "decimal"):
