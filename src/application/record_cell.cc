@@ -269,6 +269,7 @@ void CellRecorder::RunTogether(MessageBoard& board, std::span<RobotEnd* const> e
   enum Go : std::uint8_t { kNotYet, kYes, kNo };
   std::atomic<Go> go = kNotYet;  // once each has its thread: they wait for each other
   std::vector<std::jthread> runs;
+  runs.reserve(ends.size());
   const auto tell = [&go](Go what) {
     go = what;
     go.notify_all();

@@ -19,8 +19,12 @@ void RecordEngineWarning(const char* text) {
 }
 
 void InstallEngineHandlers() noexcept {
-  mju_user_error = ThrowFault;
-  mju_user_warning = RecordEngineWarning;
+  // Once: models are made on several threads, and the engine's handlers are plain globals.
+  [[maybe_unused]] static const bool installed = [] {
+    mju_user_error = ThrowFault;
+    mju_user_warning = RecordEngineWarning;
+    return true;
+  }();
 }
 
 EngineWarnings::EngineWarnings() noexcept : outer_(innermost) {

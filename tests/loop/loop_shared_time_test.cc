@@ -22,6 +22,7 @@ rt::ThreadSettings Ordinary() {
 /// Runs `robot` with each seat on a thread of its own, and waits for all.
 void Together(std::size_t robots, const std::function<void(std::size_t)>& robot) {
   std::vector<std::jthread> threads;
+  threads.reserve(robots);
   for (std::size_t i = 0; i < robots; ++i) threads.emplace_back(robot, i);
 }
 

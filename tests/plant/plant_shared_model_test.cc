@@ -202,7 +202,7 @@ TEST(SharedModelTest, StepsWithoutAllocationOrLock) {
 
 TEST(SharedModelTest, RefusesOnePrefixTwiceAndAnArmTwice) {
   const std::vector<MujocoPlantOptions> twice{ArmAt("left", 0), ArmAt("left", 2)};
-  EXPECT_THROW(SharedModel::Create(twice, {}), InputError);
+  EXPECT_THROW(static_cast<void>(SharedModel::Create(twice, {})), InputError);
   const std::vector<MujocoPlantOptions> arms{ArmAt("left", 0), ArmAt("right", 2)};
   const auto shared = SharedModel::Create(arms, {});
   const auto left = shared->Take("left/");

@@ -72,6 +72,7 @@ TEST_F(ClipTest, IsTheSameBytesWhileOthersDraw) {
   RenderTo({folder_ / "a.mp4", folder_ / "a.png"});
   {
     std::vector<std::jthread> others;
+    others.reserve(2);
     for (int i = 0; i < 2; ++i) {
       others.emplace_back([&](const std::stop_token& stop) {
         Renderer renderer(model_.model(), settings_.film.render);
