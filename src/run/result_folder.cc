@@ -176,8 +176,8 @@ fs::path FindLog(const fs::path& named) {
   const std::string name = results.log().filename().string();
   for (const fs::directory_entry& entry : fs::directory_iterator(named, error)) {
     if (!fs::exists(entry.path() / name, error)) continue;
-    throw InputError(fmt::format("{} is of several robots; name one of them: {}", named.string(),
-                                 entry.path().string()));
+    throw InputError(fmt::format("{} holds no {}, but its folders do; name one, such as {}",
+                                 named.string(), name, entry.path().string()));
   }
   throw InputError(fmt::format(
       "{} holds no {}; name a run's log, or the folder of a run that kept one (record: true)",

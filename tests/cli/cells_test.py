@@ -203,7 +203,7 @@ class CellsTest(unittest.TestCase):
             self.assertEqual(drawn.returncode, 0, drawn.stderr)
             told = subprocess.run([PROGRAM, "explain", out], capture_output=True, text=True)
             self.assertEqual(told.returncode, 3)
-            self.assertRegex(told.stderr, f"{out} is of several robots; name one of them: {out}/(left|right)\n")
+            self.assertRegex(told.stderr, f"{out} holds no run.mcap, but its folders do; name one, such as {out}/(left|right)\n")
 
     def test_commands_of_one_robot_refuse_several(self):
         path = self.folder / "cell.yaml"
