@@ -20,8 +20,8 @@ struct CellInputs {
 
 /// Runs the motions and applications of all robots of a cell, from one instant on, and writes their
 /// results: those of each robot, as of a run of its own, into a folder of its name, and summary,
-/// scenario and video of all beside them. Robots of one island (run::Islands) share a model and take
-/// each step together; INT holds an arm whose motion has ended until the last has. Their
+/// scenario and video of all beside them. Robots of one island (run::Islands) share a model and
+/// take each step together; INT holds an arm whose motion has ended until the last has. Their
 /// applications may tell each other what they do (Partners).
 ///
 /// In real time all robots share one thread (loop::SharedTime), and each has workstation threads of

@@ -47,8 +47,8 @@ class SharedModel {
   /// @throws InputError if no arm has that prefix, or its plant is taken.
   [[nodiscard]] virtual std::unique_ptr<MujocoPlant> Take(const std::string& prefix) = 0;
 
-  /// The plant of an arm will not be taken: the arm stays with closed brakes, and the others wait for
-  /// it no more. No effect once it is taken. Any thread.
+  /// The plant of an arm will not be taken: the arm stays with closed brakes, and the others wait
+  /// for it no more. No effect once it is taken. Any thread.
   virtual void Forgo(const std::string& prefix) noexcept = 0;
 
   /// From now on no arm waits, nor moves: as if all stood by. Any thread.

@@ -22,9 +22,9 @@ namespace twin::robot {
 /// RobotConfig::catch_up less those just lost, one right after the other. No command arrives in
 /// them, and INT holds the acceleration, as if only the workstation had stopped. The robot sends
 /// the last of their states only. A cycle later than that by more than 0.25 ms is postponed with
-/// all later ones; skipped whole periods are counted. On a shared thread, where a cycle may wait for
-/// those of other robots, so are those after a cycle that took longer than that: the robots' cycles
-/// stay together.
+/// all later ones; skipped whole periods are counted. On a shared thread, where a cycle may wait
+/// for those of other robots, so are those after a cycle that took longer than that: the robots'
+/// cycles stay together.
 ///
 /// Threads: as ThreadedRobot; statistics from the thread that calls End(). Real-time: the robot's
 /// thread allocates and locks nothing between Begin() and End().
