@@ -99,12 +99,11 @@ TEST_F(ClipTest, PutsEvenlySpacedFramesOnTheSheetFirstAndLastIncluded) {
   EXPECT_EQ(ReadPng(folder_ / "sheet.png"), ComposeContactSheet(expected, settings_.sheet));
 }
 
-// 760 frames more are 44 MB of pictures and 1.3 MB of snapshots. What Mesa takes differs by up to
-// 11 MB from clip to clip.
+// 760 frames more are 44 MB of pictures and 1.3 MB of snapshots.
 TEST_F(ClipTest, TakesNoMoreMemoryForMoreFrames) {
   const std::size_t few = PeakOf(40);
   const std::size_t many = PeakOf(800);
-  EXPECT_LT(many, few + 25'000'000);
+  EXPECT_LT(many, few + 10'000'000);
 }
 
 TEST_F(ClipTest, OverlaysAndInsetsAreTheSameBytesAgain) {
