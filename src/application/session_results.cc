@@ -39,9 +39,7 @@ double SecondsOf(Time time) {
 }
 
 std::string KindOf(const LoggedMotion& motion) {
-  const bool is_torque = motion.generator == MotionGeneratorMode::kNone;
-  return fmt::format("{} motion under {}", is_torque ? "torque" : Name(motion.generator),
-                     Name(motion.controller));
+  return DescribeMotion(motion.generator, motion.controller);
 }
 
 /// Writes the logs of a session's motions, one after the other.
@@ -92,30 +90,33 @@ class LogSplitter {
   }
 
   void Put(const record::CycleRecord& cycle) {
-    for (; events_ < std::ssize(session_.events); ++events_) {
-      const record::EventRecord& event = session_.events[static_cast<std::size_t>(events_)];
+    for (; const record::EventRecord* event = EventUntil(cycle.at); ++events_) {
       // What the arm touched is told after the cycle of the error.
-      if (event.at > cycle.at || (event.at == cycle.at && event.kind == "contact")) break;
-      if (!EndsAnother(event)) log_->Event(event.at, event.kind, event.text);
+      if (event->at == cycle.at && event->kind == "contact") break;
+      // In its first cycle the end of the motion before may be told.
+      if (!TellsAnEnd(*event) || event->at != Motion().begin) Put(*event);
     }
     log_->Put(cycle);
+  }
+
+  void Put(const record::EventRecord& event) { log_->Event(event.at, event.kind, event.text); }
+
+  /// The next event, unless it is later than `last`; else null.
+  [[nodiscard]] const record::EventRecord* EventUntil(Time last) const {
+    if (events_ == std::ssize(session_.events)) return nullptr;
+    const record::EventRecord& next = session_.events[static_cast<std::size_t>(events_)];
+    return next.at > last ? nullptr : &next;
   }
 
   [[nodiscard]] static bool TellsAnEnd(const record::EventRecord& event) {
     return event.kind == "motion" && !event.text.starts_with("started");
   }
-  /// Whether an event of the motion's first cycle tells the end of the one before.
-  [[nodiscard]] bool EndsAnother(const record::EventRecord& event) const {
-    return TellsAnEnd(event) && event.at == Motion().begin;
-  }
 
   void Next() {
     // Its end may be told at the instant at which the next one begins.
     const Time until = Until();
-    for (; events_ < std::ssize(session_.events); ++events_) {
-      const record::EventRecord& event = session_.events[static_cast<std::size_t>(events_)];
-      if (event.at > until) break;
-      if (event.at < until || TellsAnEnd(event)) log_->Event(event.at, event.kind, event.text);
+    for (; const record::EventRecord* event = EventUntil(until); ++events_) {
+      if (event->at < until || TellsAnEnd(*event)) Put(*event);
     }
     static_cast<void>(log_->Finish());
     log_.reset();

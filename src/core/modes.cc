@@ -1,5 +1,7 @@
 #include "twin/core/modes.h"
 
+#include <fmt/format.h>
+
 namespace twin {
 
 std::string_view Name(RobotMode mode) noexcept {
@@ -35,6 +37,12 @@ std::string_view Name(ControllerMode mode) noexcept {
     case ControllerMode::kOther: return "other";
   }
   return "unknown";
+}
+
+std::string DescribeMotion(MotionGeneratorMode generator, ControllerMode controller) {
+  const bool is_torque = generator == MotionGeneratorMode::kNone;
+  return fmt::format("{} motion under {}", is_torque ? "torque" : Name(generator),
+                     Name(controller));
 }
 
 std::string_view Name(PanelAction action) noexcept {

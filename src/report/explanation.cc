@@ -59,8 +59,7 @@ std::string WhereText(const RunEnd& end, const Violation& v) {
   if (before.motion_generator_mode == MotionGeneratorMode::kIdle) {
     text += "no motion was running";
   } else {
-    text += fmt::format("{} motion under {}", Name(before.motion_generator_mode),
-                        Name(before.controller_mode));
+    text += DescribeMotion(before.motion_generator_mode, before.controller_mode);
   }
   if (!end.motion.empty()) text += "; in " + end.motion;
   return text + fmt::format("; cycle of state {}, {:.3f} s", end.last().state.message_id,

@@ -18,10 +18,6 @@ bool IsAllowance(const fci::Deviation& deviation) noexcept {
   return allows(deviation.translation) && allows(deviation.rotation) && allows(deviation.elbow);
 }
 
-std::string_view KindOf(MotionGeneratorMode generator) noexcept {
-  return generator == MotionGeneratorMode::kNone ? "torque" : Name(generator);
-}
-
 std::string_view EndText(MoveStatus end) noexcept {
   switch (end) {
     case MoveStatus::kSuccess: return "finished";
@@ -105,8 +101,7 @@ MoveStatus ArmRequestHandler::Move(const fci::Move& move) {
     case MoveStatus::kMotionStarted:
       in_motion_ = true;
       stop_asked_ = false;
-      tell_(fmt::format("arm: motion started: {} motion under {}", KindOf(move.modes.generator),
-                        Name(move.modes.controller)));
+      tell_("arm: motion started: " + DescribeMotion(move.modes.generator, move.modes.controller));
       break;
     case MoveStatus::kInvalidArgumentRejected:
       TellRefused("Move", move.asynchronous

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "twin/core/joint_vector.h"
@@ -59,6 +60,10 @@ struct MotionModes {
 [[nodiscard]] std::string_view Name(MotionGeneratorMode mode) noexcept;
 /// Names in snake case ("joint_impedance", ...), as scenarios write them.
 [[nodiscard]] std::string_view Name(ControllerMode mode) noexcept;
+
+/// "joint_position motion under joint_impedance"; without a generator "torque motion under
+/// external".
+[[nodiscard]] std::string DescribeMotion(MotionGeneratorMode generator, ControllerMode controller);
 
 /// Manual actions at the robot beside the wire: buttons and switches. Source: FCI protocol 5, user
 /// stop, guiding, brakes, recovery.
