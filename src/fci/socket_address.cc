@@ -22,8 +22,7 @@ Endpoint Ask(int (*ask)(int, sockaddr*, socklen_t*) noexcept, int fd) noexcept {
 }
 
 std::string_view CureOf(int error) noexcept {
-  if (error == EADDRINUSE)
-    return "end the program that uses it, take another port, or another address (--bind)";
+  if (error == EADDRINUSE) return "end the program that uses it, or take another port or address";
   if (error == EADDRNOTAVAIL) return "take an address of this machine (`ip address` lists them)";
   if (error == EACCES) return "take a port above 1023";
   return "look at the machine's network";
@@ -65,12 +64,15 @@ FileDescriptor OpenSocket(int type) {
   return fd;
 }
 
+void ThrowNotListening(const Endpoint& local, int error) {
+  throw EnvironmentError(fmt::format("{} cannot be listened at: {}; {}", ToString(local),
+                                     ReasonOf(error), CureOf(error)));
+}
+
 void Bind(int fd, const Endpoint& local) {
   const sockaddr_in address = AddressOf(local);
   if (bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) return;
-  const int error = errno;
-  throw EnvironmentError(fmt::format("{} cannot be listened at: {}; {}", ToString(local),
-                                     ReasonOf(error), CureOf(error)));
+  ThrowNotListening(local, errno);
 }
 
 void SetOption(int fd, int level, int option, int value) noexcept {

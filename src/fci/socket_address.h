@@ -24,6 +24,9 @@ namespace twin::fci {
 /// @returns a non-blocking socket that child processes do not inherit. @throws EnvironmentError.
 [[nodiscard]] FileDescriptor OpenSocket(int type);
 
+/// @param error  the errno by which `local` cannot be listened at.
+[[noreturn]] void ThrowNotListening(const Endpoint& local, int error);
+
 /// @throws EnvironmentError if the port is in use or the address is not this machine's.
 void Bind(int fd, const Endpoint& local);
 

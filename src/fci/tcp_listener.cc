@@ -21,9 +21,7 @@ TcpListener::TcpListener(const Endpoint& local) : fd_(OpenSocket(SOCK_STREAM)) {
   SetOption(fd_.get(), SOL_SOCKET, SO_REUSEADDR, 1);
   Bind(fd_.get(), local);
   if (listen(fd_.get(), kBacklog) == 0) return;
-  throw EnvironmentError(fmt::format(
-      "{} cannot be listened at: {}; end the program that uses it, take another port, or another address (--bind)",
-      ToString(local), ReasonOf(errno)));
+  ThrowNotListening(local, errno);
 }
 
 Endpoint TcpListener::local() const {
