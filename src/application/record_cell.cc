@@ -1,12 +1,11 @@
 #include "twin/application/record_cell.h"
 
 #include <algorithm>
-#include <atomic>
-#include <cstdint>
 #include <deque>
 #include <exception>
 #include <fstream>
 #include <functional>
+#include <future>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -202,7 +201,7 @@ void CellRecorder::RequireSound(const run::Island& island) const {
     try {
       static_cast<void>(
           run::Run(scenario, inputs_.catalogue, FilesFor(partners, inputs_.files), nullptr));
-    } catch (const run::NoPlanError&) {  // of this robot alone, whose run will say so
+    } catch (const run::NoPlanError&) {  // its run reports it; the others go on
     }
   }
 }
@@ -266,34 +265,31 @@ void CellRecorder::RunTogether(MessageBoard& board, std::span<RobotEnd* const> e
                                                  rt::FiberThread::GiveWay);
   loop::SharedTime time(ends.size(), inputs_.options.settings.threads.robot,
                         [&shared] { shared->Release(); });
-  enum Go : std::uint8_t { kNotYet, kYes, kNo };
-  std::atomic<Go> go = kNotYet;  // once each has its thread: they wait for each other
+  const auto run = [&](std::size_t i) {
+    const backend::Registry backends =
+        run::SeatOf(board.robots()[i], shared, inputs_.catalogue.backends);
+    // Robots that wait for a message of this one must not wait any longer.
+    loop::SharedTime::Seat seat(time, [&board, i] { board.End(i, ""); });
+    RunRobot(Partners(board, i), backends, *ends[i], &seat);
+    shared->Forgo(run::PrefixOf(board.robots()[i]));
+  };
+  // The runs wait for each other, so none begins unless each has its thread.
+  std::promise<bool> all_started;
+  const std::shared_future<bool> begins = all_started.get_future();
   std::vector<std::jthread> runs;
   runs.reserve(ends.size());
-  const auto tell = [&go](Go what) {
-    go = what;
-    go.notify_all();
-  };
-  const auto start = [&](std::size_t i) {
-    runs.emplace_back([&, i] {
-      go.wait(kNotYet);
-      if (go == kNo) return;
-      const backend::Registry backends =
-          run::SeatOf(board.robots()[i], shared, inputs_.catalogue.backends);
-      // Whoever waits for a word of it learns that none will come.
-      loop::SharedTime::Seat seat(time, [&board, i] { board.End(i, ""); });
-      RunRobot(Partners(board, i), backends, *ends[i], &seat);
-      shared->Forgo(run::PrefixOf(board.robots()[i]));
-    });
-  };
   try {
-    for (std::size_t i = 0; i < ends.size(); ++i) start(i);
+    for (std::size_t i = 0; i < ends.size(); ++i) {
+      runs.emplace_back([&run, begins, i] {
+        if (begins.get()) run(i);
+      });
+    }
   } catch (const std::system_error& error) {
-    tell(kNo);
+    all_started.set_value(false);
     throw EnvironmentError(fmt::format(
         "the operating system refused a thread for each robot: {}; see ulimit -u", error.what()));
   }
-  tell(kYes);
+  all_started.set_value(true);
   runs.clear();
   for (const std::string& notice : time.notices()) inputs_.console.Note("robots: " + notice);
 }
@@ -310,7 +306,7 @@ void CellRecorder::TakeTimesOfRobots() {
     longest_s = std::max(longest_s, own.value("run_s", 0.0));
     times_.peak_memory_mb = std::max(times_.peak_memory_mb, own.value("peak_memory_mb", 0.0));
   }
-  // In real time they run at once.
+  // In real time the runs overlap.
   if (!common().is_lockstep()) times_.run_s = longest_s;
 }
 

@@ -141,7 +141,7 @@ class RealtimeDrive final : public Drive {
   void EndTogether() {
     try {
       connection_.robot_time->StandBy();
-    } catch (const RobotFault&) {  // a thread that stands still stops all the same
+    } catch (const RobotFault&) {  // the robot's thread does not run; it stops below
     }
     threads_.seat->End();
   }

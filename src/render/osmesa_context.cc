@@ -16,6 +16,7 @@ namespace {
 /// the first picture would wait for them for ever. One word, which needs no ordering.
 std::atomic<pid_t> first_process{0};
 
+/// Held while a context is made, current or destroyed.
 std::mutex& MesaMutex() {
   static std::mutex mutex;
   return mutex;
@@ -31,7 +32,7 @@ void RequireNoFork() {
 }
 
 std::unique_lock<std::mutex> LockMesa() {
-  RequireNoFork();  // where nobody would unlock it
+  RequireNoFork();  // a fork may have inherited the mutex locked
   return std::unique_lock(MesaMutex());
 }
 

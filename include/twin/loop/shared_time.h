@@ -34,7 +34,7 @@ class SharedTime {
   [[nodiscard]] const std::vector<std::string>& notices() const noexcept { return notices_; }
 
  private:
-  /// What all have come to.
+  /// Called by the barrier once all robots have arrived.
   struct Next {
     SharedTime* time;
     void operator()() noexcept { time->Advance(); }
@@ -50,7 +50,7 @@ class SharedTime {
   std::barrier<Next> all_;
 };
 
-/// One robot's part. From construction to Begin() it alone gets ready.
+/// One robot's part. From construction to Begin() no other robot gets ready.
 ///
 /// Threads: one.
 class SharedTime::Seat {
