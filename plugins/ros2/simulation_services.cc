@@ -249,7 +249,7 @@ void SimulationServices::Look() {
   {
     const std::lock_guard lock(mutex_);
     if (!steps_) return;
-    if (simulation_.robot.IsStepping()) {
+    if (simulation_.robot.IsBusy()) {
       if (steps_->tell && looks_ % kLooksPerFeedback == 0) {
         steps_->tell(simulation_.cycles_left());
       }

@@ -64,7 +64,7 @@ class ControlChannel::Impl {
   struct Connection {
     fci::FileDescriptor socket;
     std::string received{};
-    bool steps = false;   ///< its last request is answered when the cycles have run
+    bool waits = false;   ///< its last request is answered once the robot has done it
     bool closed = false;  ///< by the program: nothing more comes
     bool ended = false;
   };
@@ -82,16 +82,16 @@ class ControlChannel::Impl {
   void Wait() {
     constexpr int kForever = -1;
     constexpr int kLookMs = 1;
-    bool steps = false;
+    bool waits = false;
     waited_.clear();
     waited_.push_back({wake_.fd(), POLLIN, 0});
     waited_.push_back({listener_.get(), POLLIN, 0});
     for (const Connection& connection : connections_) {
-      steps = steps || connection.steps;
-      if (!connection.steps) waited_.push_back({connection.socket.get(), POLLIN, 0});
+      waits = waits || connection.waits;
+      if (!connection.waits) waited_.push_back({connection.socket.get(), POLLIN, 0});
     }
     // The result does not matter: each descriptor is tried.
-    static_cast<void>(poll(waited_.data(), waited_.size(), steps ? kLookMs : kForever));
+    static_cast<void>(poll(waited_.data(), waited_.size(), waits ? kLookMs : kForever));
   }
 
   void Accept() {
@@ -110,11 +110,11 @@ class ControlChannel::Impl {
   }
 
   void Serve(Connection& connection) {
-    if (!connection.steps) Receive(connection);
+    if (!connection.waits) Receive(connection);
     while (!connection.ended) {
-      if (connection.steps) {
-        if (robot_.IsStepping()) return;
-        connection.steps = false;
+      if (connection.waits) {
+        if (robot_.IsBusy()) return;
+        connection.waits = false;
         AnswerStatus(connection);
         continue;
       }
@@ -152,8 +152,9 @@ class ControlChannel::Impl {
     try {
       robot_.Do(request);
       if (request.verb != ControlVerb::kStatus) tell_(fmt::format("control: {}", ToLine(request)));
-      connection.steps = request.verb == ControlVerb::kStep;
-      if (!connection.steps) AnswerStatus(connection);
+      connection.waits =
+          request.verb == ControlVerb::kStep || request.verb == ControlVerb::kRecover;
+      if (!connection.waits) AnswerStatus(connection);
     } catch (const Error& error) {
       Answer(connection, Refusal(error.what()));
     }

@@ -56,9 +56,11 @@ void ControlledRobot::Do(const ControlRequest& request) {
   }
 }
 
-bool ControlledRobot::IsStepping() const {
+bool ControlledRobot::IsBusy() const {
   const robot::AnswerPacedRobot* const lockstep = served_.lockstep();
-  return lockstep != nullptr && lockstep->cycles_left().value_or(0) > 0;
+  const auto cycles_left = lockstep != nullptr ? lockstep->cycles_left() : std::nullopt;
+  return cycles_left ? *cycles_left > 0
+                     : served_.robot().mode() == RobotMode::kAutomaticErrorRecovery;
 }
 
 std::string ControlledRobot::StatusLine() const {

@@ -145,8 +145,9 @@ class PanelTest(ControlTest):
         status = channel.ask(do="status")
         self.assertEqual(status["mode"], "Reflex")
         self.assertTrue(any(error.startswith("joint_motion_generator") for error in status["errors"]), status)
-        while not channel.ask(do="recover")["ok"]:  # refused while the arm comes to rest
+        while not (recovered := channel.ask(do="recover"))["ok"]:  # refused while the arm comes to rest
             pass
+        self.assertEqual(recovered["mode"], "Idle")
         arm.await_mode(fci.IDLE)
         self.assertEqual(channel.ask(do="status")["errors"], [])
 

@@ -22,11 +22,11 @@ class ControlledRobot {
   ControlledRobot(ServedRobot& robot, bool may_reset, bool has_own_time = true) noexcept
       : served_(robot), may_reset_(may_reset), has_own_time_(has_own_time) {}
 
-  /// Carries out a request; of a step it begins the cycles, see IsStepping().
+  /// Carries out a request; a step and a recovery it begins, see IsBusy().
   /// @throws InputError when the robot refuses; RobotFault as robot::ThreadedRobot's requests.
   void Do(const ControlRequest& request);
-  /// Whether cycles of a step are left.
-  [[nodiscard]] bool IsStepping() const;
+  /// Whether cycles of a step are left, or a recovery has not ended while time runs.
+  [[nodiscard]] bool IsBusy() const;
   /// The robot as it is: the line that answers a request that was carried out, without its end (see
   /// ControlChannel). @throws RobotFault.
   [[nodiscard]] std::string StatusLine() const;
