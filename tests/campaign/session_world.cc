@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "campaign/bystanders.h"
 #include "campaign/wire_client.h"
 #include "conformance/dice.h"
 #include "conformance/mode_rules.h"
@@ -36,16 +37,18 @@ class CycleWatch final : public record::RecordSink {
  public:
   void Put(const record::CycleRecord& record) noexcept override {
     const std::uint64_t id = record.state.message_id;
-    if (last_ && id != *last_ + 1) broken_ = true;
-    if (test::FindNotFinite(record.state)) broken_ = true;
+    if (last_ && id != *last_ + 1) ++jumps_;
+    if (test::FindNotFinite(record.state)) is_finite_ = false;
     last_ = id;
   }
   void Put(const record::TickRecord&) noexcept override {}
-  [[nodiscard]] bool broken() const { return broken_; }
+  [[nodiscard]] int jumps() const { return jumps_; }
+  [[nodiscard]] bool is_finite() const { return is_finite_; }
 
  private:
   std::optional<std::uint64_t> last_;  ///< id
-  std::atomic<bool> broken_ = false;
+  std::atomic<int> jumps_ = 0;
+  std::atomic<bool> is_finite_ = true;
 };
 
 /// One world: a robot, and clients one after the other.
@@ -54,11 +57,13 @@ class SessionWorld {
   explicit SessionWorld(std::uint64_t seed) : dice_(seed) {
     robot::RobotConfig config = test::HarnessRobot(robot::PlantKind::kIdeal);
     config.onboard.collision_behavior = scenario::NoCollisionBehavior();
+    config.plant.hand = plant::HandKind::kFrankaHand;
     server::ServedRobotSettings settings{.takes_free_ports = true, .sink = &watch_};
     settings.lockstep = {.answer_timeout = std::chrono::seconds(10), .freeze_when_idle = true};
     settings.thread = rt::ThreadSettings{.name = "robot", .lock_memory = false};
     service_.emplace(config, robot::MakePlant(config), settings);
     service_->Start();
+    bystanders_.emplace(dice_, *service_);
   }
 
   Outcome Run() {
@@ -72,10 +77,14 @@ class SessionWorld {
     } catch (const Error& error) {
       outcome.finding = Finding{"errors", error.what()};
     }
+    const int ways_back = bystanders_->ways_back();
+    bystanders_.reset();
     service_->End();
-    if (!outcome.finding && watch_.broken()) {
+    if (outcome.finding) return outcome;
+    if (watch_.jumps() > ways_back) {
       outcome.finding = Finding{"ids", "INT's cycles do not follow one another"};
     }
+    if (!watch_.is_finite()) outcome.finding = Finding{"finite", "a state of INT's is not"};
     return outcome;
   }
 
@@ -87,10 +96,7 @@ class SessionWorld {
   }
 
   /// Whether the robot does this when asked now; by the table of requests and modes.
-  [[nodiscard]] bool Grants(Ask ask) const {
-    return Expect({.mode = mode_, .at_rest = true, .has_errors = mode_ == RobotMode::kReflex}, ask)
-        .accepted;
-  }
+  [[nodiscard]] bool Grants(Ask ask) const { return Expect(now_, ask).accepted; }
 
   void ServeOne() {
     client_.emplace(service_->arm());
@@ -101,11 +107,12 @@ class SessionWorld {
     Require(status == kSuccess, "Connect in order is refused", status);
     const auto first = client_->AwaitState(0, std::chrono::seconds(20));
     if (!first) throw BrokenPromise("no state after Connect");
-    if (first->robot_mode != mode_ && !(left_moving_ && first->robot_mode == RobotMode::kIdle)) {
+    if (first->robot_mode != now_.mode &&
+        !(left_moving_ && first->robot_mode == RobotMode::kIdle)) {
       throw BrokenPromise(
-          fmt::format("the robot is in mode {}, not {}", Name(first->robot_mode), Name(mode_)));
+          fmt::format("the robot is in mode {}, not {}", Name(first->robot_mode), Name(now_.mode)));
     }
-    mode_ = first->robot_mode;
+    now_.mode = first->robot_mode;
     left_moving_ = false;
     for (int i = dice_.Whole(0, 12); i > 0; --i) Act();
     Leave();
@@ -129,7 +136,12 @@ class SessionWorld {
   }
 
   void Act() {
-    const int kind = dice_.Whole(0, 9);
+    const int kind = dice_.Whole(0, 12);
+    if (kind >= 10) {
+      // In a motion time waits for this client.
+      if (now_.mode != RobotMode::kMove) bystanders_->Act(now_, done_);
+      return;
+    }
     if (kind <= 3) return AskSeveral();
     if (kind == 4) return SendJunk();
     if (kind == 5) return TrySecondClient();
@@ -157,10 +169,10 @@ class SessionWorld {
         return {client_->Frame(machine, bytes), "library", {Byte(fci::ModelLibraryStatus::kError)}};
       }
       case 2:
-        if (mode_ == RobotMode::kMove) break;  // its answer waits for the arm
+        if (now_.mode == RobotMode::kMove) break;  // its answer waits for the arm
         return {client_->Frame(fci::StopMove(), bytes), "stop", {kSuccess}};
       case 3:
-        if (mode_ != RobotMode::kMove) break;  // it would start one
+        if (now_.mode != RobotMode::kMove) break;  // it would start one
         return {client_->Frame(DrawMove(), bytes),
                 "move in motion",
                 {Byte(MoveStatus::kCommandNotPossibleRejected)}};
@@ -197,7 +209,7 @@ class SessionWorld {
     for (const Asked& one : asked) {
       const std::uint8_t status = client_->AwaitAnswer(one.id);
       Require(std::ranges::find(one.allowed, status) != one.allowed.end(),
-              fmt::format("{} in mode {}", one.name, Name(mode_)), status);
+              fmt::format("{} in mode {}", one.name, Name(now_.mode)), status);
     }
     for (std::size_t i = 0; i < asked.size(); ++i) {
       if (client_->answered()[answered + i] == asked[i].id) continue;
@@ -209,9 +221,9 @@ class SessionWorld {
     Note("recovery");
     const std::uint8_t status = client_->Ask(fci::AutomaticErrorRecovery());
     Require((status == kSuccess) == Grants(Ask::kAutomaticErrorRecovery),
-            fmt::format("recovery in mode {}", Name(mode_)), status);
-    if (status != kSuccess || mode_ != RobotMode::kReflex) return;
-    mode_ = RobotMode::kIdle;
+            fmt::format("recovery in mode {}", Name(now_.mode)), status);
+    if (status != kSuccess || !now_.has_errors) return;
+    now_ = {};
   }
 
   /// Datagrams that are no commands have no effect.
@@ -261,8 +273,8 @@ class SessionWorld {
     client_->Send(bytes);
     const auto status = static_cast<MoveStatus>(client_->AwaitAnswer(id));
     const bool starts = status == MoveStatus::kMotionStarted;
-    Require(starts == (Grants(Ask::kMove) && !is_bad), fmt::format("Move in mode {}", Name(mode_)),
-            Byte(status));
+    Require(starts == (Grants(Ask::kMove) && !is_bad),
+            fmt::format("Move in mode {}", Name(now_.mode)), Byte(status));
     if (!starts) return;
     motion_ = id;
     client_->OweEnd(id);
@@ -308,7 +320,7 @@ class SessionWorld {
   }
 
   void RunMotion() {
-    mode_ = RobotMode::kMove;
+    now_.mode = RobotMode::kMove;
     has_begun_ = false;
     RobotState state = AwaitMove();
     for (int i = dice_.Whole(1, 30); i > 0; --i) {
@@ -362,7 +374,8 @@ class SessionWorld {
     Require(status == end, fmt::format("a motion that should end with status {}", Byte(end)),
             Byte(status));
     motion_.reset();
-    mode_ = mode;
+    now_.mode = mode;
+    now_.has_errors = mode == RobotMode::kReflex;
   }
 
   void Leave() {
@@ -385,15 +398,16 @@ class SessionWorld {
         client_->AwaitClosed();
       }
     }
-    if (left_moving_) mode_ = RobotMode::kIdle;  // the server stops the motion
+    if (left_moving_) now_.mode = RobotMode::kIdle;  // the server stops the motion
   }
 
   Dice dice_;
   CycleWatch watch_;
   std::optional<server::ServedRobot> service_;
+  std::optional<Bystanders> bystanders_;  ///< from service_'s start to its end
   std::optional<WireClient> client_;
   std::vector<std::string> done_;
-  RobotMode mode_ = RobotMode::kIdle;
+  test::Situation now_;
   std::optional<std::uint32_t> motion_;  ///< command_id of the running motion's Move
   bool has_begun_ = false;               ///< the motion's first command was taken
   bool left_moving_ = false;             ///< the last client left in motion

@@ -90,8 +90,12 @@ void DrawPlant(Dice& dice, Scenario& world) {
   world.plant.kind = robot::PlantKind::kMujoco;
   world.plant.friction = static_cast<plant::FrictionProfile>(dice.Whole(0, 2));
   world.plant.armature = dice.Chance(0.7);
-  // Without its rotors' inertia an FR3's wrist is too light for INT's stiffness at 1 kHz.
-  if (world.robot.model == "fr3") world.plant.armature = true;
+  // Without its rotors' inertia a wrist is too light at 1 kHz: an FR3's for INT's stiffness, a
+  // Panda's for the damping of its Cartesian impedance (world 7138).
+  if (world.robot.model == "fr3" ||
+      world.motion.controller == ControllerMode::kCartesianImpedance) {
+    world.plant.armature = true;
+  }
   if (dice.Chance(0.2)) world.plant.mass_scale = dice.Between(0.9, 1.1);
   if (dice.Chance(0.3)) {
     world.plant.noise_q = dice.Between(0, 2e-5);

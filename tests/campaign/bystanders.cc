@@ -1,0 +1,245 @@
+#include "campaign/bystanders.h"
+
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+#include <fmt/format.h>
+#include <fmt/std.h>
+#include <nlohmann/json.hpp>
+
+#include "campaign/wire_client.h"
+#include "twin/core/error.h"
+
+namespace twin::campaign {
+namespace {
+
+using server::ControlRequest;
+using server::ControlVerb;
+using test::Ask;
+
+/// Unix sockets have a name of their own, in one process, too.
+std::filesystem::path NewSocket() {
+  static std::atomic<int> count = 0;
+  return std::filesystem::temp_directory_path() /
+         fmt::format("panda_twin_campaign_{}_{}", getpid(), ++count);
+}
+
+[[noreturn]] void Break(std::string text) {
+  throw BrokenPromise(std::move(text));
+}
+
+}  // namespace
+
+Bystanders::Bystanders(test::Dice& dice, server::ServedRobot& robot)
+    : dice_(dice),
+      robot_(robot),
+      may_reset_(dice.Chance(0.5)),
+      controlled_(robot, may_reset_),
+      socket_(NewSocket()),
+      channel_(socket_, controlled_, [](auto&&...) {}) {}
+
+void Bystanders::Act(test::Situation& now, std::vector<std::string>& done) {
+  if (dice_.Chance(0.4)) {
+    done.push_back(UseHand());
+    return;
+  }
+  const ControlRequest request = DrawRequest();
+  done.push_back(server::ToLine(request));
+  switch (request.verb) {
+    case ControlVerb::kUserStop:
+      return Operate(request, request.on ? Ask::kPressUserStop : Ask::kReleaseUserStop, now);
+    case ControlVerb::kGuiding:
+      return Operate(request, request.on ? Ask::kPressGuidingButton : Ask::kReleaseGuidingButton,
+                     now);
+    case ControlVerb::kRecover: return Operate(request, Ask::kAutomaticErrorRecovery, now);
+    case ControlVerb::kReset: return Reset(request, now);
+    case ControlVerb::kSnapshot: return Keep(request, now);
+    case ControlVerb::kRestore: return GoBack(request, now);
+    case ControlVerb::kPlace: return Refuse(request);  // there is no object
+    default: return Step(request, now);
+  }
+}
+
+ControlRequest Bystanders::DrawRequest() {
+  static constexpr std::array kVerbs{
+      ControlVerb::kStep,  ControlVerb::kUserStop, ControlVerb::kGuiding, ControlVerb::kRecover,
+      ControlVerb::kReset, ControlVerb::kSnapshot, ControlVerb::kRestore, ControlVerb::kPlace};
+  ControlRequest request{.verb = kVerbs[static_cast<std::size_t>(dice_.Whole(0, 7))]};
+  request.cycles = static_cast<std::uint64_t>(dice_.Whole(1, 300));
+  request.on = dice_.Chance(0.5);
+  request.name = dice_.Chance(0.5) ? ControlRequest::kSnapshot : "other";
+  return request;
+}
+
+nlohmann::json Bystanders::Ask(const ControlRequest& request) {
+  const std::string line = server::AskControl(socket_, request);
+  const auto answer = nlohmann::json::parse(line, nullptr, false);
+  if (answer.is_discarded() || !answer.contains("ok"))
+    Break("no answer of a control channel: " + line);
+  return answer;
+}
+
+std::uint64_t Bystanders::Do(const ControlRequest& request) {
+  const nlohmann::json answer = Ask(request);
+  if (answer["ok"]) return answer["cycle"];
+  Break(fmt::format("{} is refused: {}", server::ToLine(request), answer.dump()));
+}
+
+void Bystanders::Refuse(const ControlRequest& request) {
+  if (Ask(request)["ok"]) Break(server::ToLine(request) + " is not refused");
+}
+
+void Bystanders::Step(const ControlRequest& step, const test::Situation& now) {
+  Refuse(step);  // time runs
+  const std::uint64_t begin = Do({.verb = ControlVerb::kPause});
+  const std::uint64_t end = Do(step);
+  const nlohmann::json after = Ask({});
+  if (end != begin + step.cycles || after["cycle"] != end || after["mode"] != Name(now.mode)) {
+    Break(fmt::format("{} cycles from {} in mode {} end at {}, then {}", step.cycles, begin,
+                      Name(now.mode), end, after.dump()));
+  }
+  Do({.verb = ControlVerb::kResume});
+}
+
+void Bystanders::Operate(const ControlRequest& request, test::Ask ask, test::Situation& now) {
+  const test::Outcome expected = Expect(now, ask);
+  if (!expected.accepted) return Refuse(request);
+  Do(request);
+  const bool recovers = expected.mode == RobotMode::kAutomaticErrorRecovery;
+  now.mode = recovers ? RobotMode::kIdle : expected.mode;
+  if (recovers) now.has_errors = false;
+  const nlohmann::json after = Ask({});
+  if (after["mode"] != Name(now.mode)) {
+    Break(fmt::format("not {}: {}", Name(now.mode), after.dump()));
+  }
+}
+
+void Bystanders::Reset(const ControlRequest& reset, test::Situation& now) {
+  const nlohmann::json answer = Ask(reset);
+  if (!answer["ok"]) {
+    if (may_reset_ && !may_be_busy_) Break("a reset is refused: " + answer.dump());
+    return;
+  }
+  now = {};
+  if (!may_reset_ || answer["mode"] != Name(now.mode) || !answer["errors"].empty()) {
+    Break("a reset: " + answer.dump());
+  }
+}
+
+void Bystanders::Keep(const ControlRequest& snapshot, const test::Situation& now) {
+  Do({.verb = ControlVerb::kPause});
+  const nlohmann::json answer = Ask(snapshot);
+  if (answer["ok"]) {
+    snapshots_[snapshot.name] = {answer["cycle"], now};
+  } else if (!may_be_busy_) {
+    Break("a snapshot is refused: " + answer.dump());
+  }
+  Do({.verb = ControlVerb::kResume});
+}
+
+void Bystanders::GoBack(const ControlRequest& restore, test::Situation& now) {
+  const auto kept = snapshots_.find(restore.name);
+  if (kept == snapshots_.end()) return Refuse(restore);
+  Do({.verb = ControlVerb::kPause});
+  const nlohmann::json answer = Ask(restore);
+  if (answer["ok"]) {
+    now = kept->second.now;
+    ++ways_back_;
+    if (answer["cycle"] != kept->second.cycle || answer["mode"] != Name(now.mode)) {
+      Break(fmt::format("a snapshot of cycle {} in mode {} comes back as {}", kept->second.cycle,
+                        Name(now.mode), answer.dump()));
+    }
+  } else if (!may_be_busy_) {
+    Break("to go back is refused: " + answer.dump());
+  }
+  Do({.verb = ControlVerb::kResume});
+}
+
+std::string Bystanders::UseHand() {
+  if (!hand_) {
+    hand_.emplace("127.0.0.1", robot_.hand()->port);
+    last_ = 0;
+  }
+  if (dice_.Chance(0.1)) {
+    TrySecondHandClient();
+    return "a second client of the hand";
+  }
+  if (dice_.Chance(0.1)) {
+    hand_.reset();
+    return "the hand's client leaves";
+  }
+  const HandCommand command = DrawHandCommand();
+  const bool is_bad = FindBadValue(command, hand_->State().max_width).has_value();
+  const HandTicket ticket = hand_->Start(command);
+  if (is_bad) {
+    if (AwaitOutcome(ticket, false) != HandResult::kFail) Break("the hand takes a bad command");
+    return "a bad command to the hand";
+  }
+  if (last_ != 0 && !hand_->Outcome(last_)) Break("two commands to the hand run at once");
+  last_ = ticket;
+  may_be_busy_ = true;
+  if (dice_.Chance(0.7)) AwaitHand(command, ticket);
+  return fmt::format("{}{}", Name(command), may_be_busy_ ? ", left to itself" : "");
+}
+
+void Bystanders::TrySecondHandClient() const {
+  try {
+    const fci::HandClient other("127.0.0.1", robot_.hand()->port);
+  } catch (const RobotFault&) {
+    return;
+  }
+  Break("a second client of the hand is served");
+}
+
+HandCommand Bystanders::DrawHandCommand() {
+  const double width = dice_.Chance(0.1) ? dice_.Between(-1, 1) : dice_.Between(0, kHandStroke);
+  switch (dice_.Whole(0, 3)) {
+    case 0: return hand::Homing{};
+    case 1: return hand::Move{width, dice_.Between(0.02, 0.2)};
+    case 2:
+      return hand::Grasp{width, dice_.Between(0.02, 0.2), dice_.Between(1, 100), 0.005, 0.005};
+    default: return hand::Stop{};
+  }
+}
+
+std::optional<HandResult> Bystanders::AwaitOutcome(HandTicket ticket, bool steps) {
+  constexpr int kLongest = 1000;  // times 5 ms, and with steps 250 ms of the robot's time
+  for (int i = 0; i < kLongest; ++i) {
+    if (const auto result = hand_->Outcome(ticket)) return result;
+    if (steps) Do({.verb = ControlVerb::kStep, .cycles = 250});
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return std::nullopt;
+}
+
+void Bystanders::AwaitHand(const HandCommand& command, HandTicket ticket) {
+  Do({.verb = ControlVerb::kPause});
+  const std::optional<HandResult> result = AwaitOutcome(ticket, true);
+  Do({.verb = ControlVerb::kResume});
+  if (!result) Break(fmt::format("{} does not end", Name(command)));
+  may_be_busy_ = false;
+  const HandState state = hand_->State();
+  const auto* const move = std::get_if<hand::Move>(&command);
+  const auto* const grasp = std::get_if<hand::Grasp>(&command);
+  // There is nothing to grasp: the fingers go to the end of their way, to a millimetre, which is
+  // right for what is that thin or wide.
+  const bool may_succeed = grasp == nullptr || grasp->width < grasp->epsilon_inner + 1e-3 ||
+                           grasp->width > kHandStroke - grasp->epsilon_outer - 1e-3;
+  const bool may_miss = grasp != nullptr && grasp->width > grasp->epsilon_inner - 1e-3;
+  const bool fits = *result == HandResult::kSuccess        ? may_succeed
+                    : *result == HandResult::kUnsuccessful ? may_miss
+                                                           : false;
+  if (!fits) {
+    Break(fmt::format("{} ends as {}, {} m wide", Name(command), Name(*result), state.width));
+  }
+  const bool is_there = move == nullptr || std::abs(state.width - move->width) < 1e-3;
+  if (!is_there || !(state.width > -1e-3 && state.width < kHandStroke + 1e-3)) {
+    Break(fmt::format("the hand is {} m wide after {}", state.width, Name(command)));
+  }
+}
+
+}  // namespace twin::campaign
