@@ -8,7 +8,7 @@
 # Labels: unit (seconds, no network, no GPU, no luck), contract, rt (wall clock; whatever the machine does), stress (threads; also
 # for tsan), video, package (installs), bench, slow. The targets unit_tests and stress_tests build all that those labels need.
 # Unit tests of folders that handle untrusted bytes, threads or raw memory are also labelled memory (target memory_tests): those
-# that .ci/run repeats under asan. The others compute; under asan they are for `scripts/test --preset asan -L unit`.
+# that .ci/run repeats under asan. The others compute; the nightly runs them under asan (`scripts/test --preset asan -L unit`).
 #
 # A test program of which a case was skipped is "Skipped" to ctest, whatever else passed: it ends with TWIN_SKIPPED, or is a
 # unittest, which says so in its last line. scripts/run-tests tells the reasons. A test that this build cannot have, for want of
@@ -40,7 +40,7 @@ if(TWIN_BUILD_TESTS)
   add_custom_target(stress_tests)
   add_custom_target(memory_tests)
 endif()
-set(TWIN_MEMORY_FOLDERS support core rt record fci onboard plant robot server proxy backend control loop teleop contract
+set(TWIN_MEMORY_FOLDERS support core rt record fci plant robot server proxy backend control loop contract
     devices fuzz)
 
 function(twin_add_test name)
@@ -94,7 +94,7 @@ endfunction()
 # The longest tests, begun first: a build that has not run them yet would else wait for one of them at the end.
 set(TWIN_LONG_TESTS panda_python_realtime_test campaign_test ros2_rclpy_test sweep_test video_test applications_lockstep_test render_test cli_test
     experiment_test conformance_error_table_wire_test run_plan_places_test examples_test conformance_random_streams trace_test
-    video_defects_test own_client_realtime_test)
+    own_client_realtime_test page_scene_test python_envs_test)
 
 # What both have in common: label (unit unless told), time limit in seconds (300 unless told: for what hangs, not for what a busy machine
 # holds up), part in unit_tests.

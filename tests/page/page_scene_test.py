@@ -20,6 +20,7 @@ from page_browser_test import CLIPPED, CONTRAST, WINDOWS
 from web_client import Operator
 
 KEEP = None
+SMALL = (720, 450)  # the browser draws by software, each pixel of each picture
 RETURNED = 0.03  # share of pixels: a slow browser leaves out shadows from some moment on
 
 # The share of pixels that differ clearly between two pictures of the same size, PNG in base64.
@@ -56,7 +57,7 @@ class PageSceneTest(unittest.TestCase):
         scenario = pathlib.Path(page_server_test.SOURCE, "models/applications/teleoperation.yaml").read_text()
         cls.served = page_server_test.Run(folder.name, scenario, ["--device", "page"])
         cls.addClassCleanup(cls.served.end)
-        cls.page = BrowserPage(folder.name, cls.served.url, keep=KEEP, before=AS_ON_A_GRAPHICS_PROCESSOR)
+        cls.page = BrowserPage(folder.name, cls.served.url, *SMALL, keep=KEEP, before=AS_ON_A_GRAPHICS_PROCESSOR)
         cls.addClassCleanup(cls.page.quit)
 
     def picture(self):
@@ -139,7 +140,7 @@ class PageSceneTest(unittest.TestCase):
         self.changed(turned, 0.05)
         self.assertEqual(self.page.run("return [scrollX, scrollY, visualViewport.scale]"), [0, 0, 1])
         self.page.element("reset").click()
-        self.page.resize(*WINDOWS["wide"])
+        self.page.resize(*SMALL)
 
     def touch(self, steps):
         def say(kind, points):
@@ -155,13 +156,14 @@ class PageSceneTest(unittest.TestCase):
             with self.subTest(window):
                 self.page.resize(width, height)
                 self.page.wait_until(lambda: self.page.run("return innerWidth") == width)
-                self.settled()
-                self.page.keep(f"scene_{window}")
+                if KEEP:
+                    self.settled()
+                    self.page.keep(f"scene_{window}")
                 self.assertEqual(self.page.run(CLIPPED), [])
                 self.assertEqual([text for text in self.page.run(CONTRAST) if text["ratio"] < text["least"]], [])
                 self.assertEqual(self.page.box("scene"), self.page.box("camera"))
                 self.assertGreaterEqual(min(self.page.box("reset")[2:]), 38)
-        self.page.resize(*WINDOWS["wide"])
+        self.page.resize(*SMALL)
 
     def rasterizers(self):
         """The threads of panda-twin that Mesa draws with."""
