@@ -139,7 +139,8 @@ class Served {
         session_->Tell(fmt::format("control: {}", server::ToLine(request)));
       });
     }
-    if (request.verb == server::ControlVerb::kStep || request.verb == server::ControlVerb::kRecover) {
+    if (request.verb == server::ControlVerb::kStep ||
+        request.verb == server::ControlVerb::kRecover) {
       Await([this] { return !WhileOpen([this] { return controlled_->IsBusy(); }); });
     }
     const GilReleased release;

@@ -299,7 +299,7 @@ run::MotionResult TwinSession::Control(nb::object law, const ControlOptions& opt
   const LawInUse in_use(*this, called);
   RobotState state = session_->Peek();
   const control::CommandInterface interface = called.Begin(state);
-  const run::MotionResult result = [&] {
+  run::MotionResult result = [&] {
     const GilReleased released;
     run::Motion motion = MotionOn(interface, options.impedance, "control",
                                   run::StandingFor(state.q_d, until, session_->robot().limits));

@@ -21,6 +21,10 @@ using server::ControlRequest;
 using server::ControlVerb;
 using test::Ask;
 
+/// A busy machine breaks no promise.
+constexpr fci::ClientTimeout kPatience{std::chrono::seconds(20), std::chrono::seconds(20),
+                                       std::chrono::seconds(20)};
+
 /// Unix sockets have a name of their own, in one process, too.
 std::filesystem::path NewSocket() {
   static std::atomic<int> count = 0;
@@ -161,7 +165,7 @@ void Bystanders::GoBack(const ControlRequest& restore, test::Situation& now) {
 
 std::string Bystanders::UseHand() {
   if (!hand_) {
-    hand_.emplace("127.0.0.1", robot_.hand()->port);
+    hand_.emplace("127.0.0.1", robot_.hand()->port, kPatience);
     last_ = 0;
   }
   if (dice_.Chance(0.1)) {
@@ -179,7 +183,7 @@ std::string Bystanders::UseHand() {
     if (AwaitOutcome(ticket, false) != HandResult::kFail) Break("the hand takes a bad command");
     return "a bad command to the hand";
   }
-  if (last_ != 0 && !hand_->Outcome(last_)) Break("two commands to the hand run at once");
+  if (last_ != 0 && !AwaitOutcome(last_, false)) Break("two commands to the hand run at once");
   last_ = ticket;
   may_be_busy_ = true;
   if (dice_.Chance(0.7)) AwaitHand(command, ticket);

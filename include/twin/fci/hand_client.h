@@ -33,8 +33,8 @@ class HandClient {
   HandClient& operator=(const HandClient&) = delete;
 
   /// Sends a command. A command that still runs is aborted and has 1 s to answer, so its outcome is
-  /// known on return; it goes on when the device refuses this one (kFail). Stop, which is answered at once, is treated the same. @returns the ticket,
-  /// above 0. @pre the device has the command.
+  /// known on return; it goes on when the device refuses this one (kFail). Stop, which is answered
+  /// at once, is treated the same. @returns the ticket, above 0. @pre the device has the command.
   /// @throws RobotFault if the connection is lost.
   HandTicket Start(const HandCommand& command);
 
