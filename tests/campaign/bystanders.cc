@@ -72,7 +72,8 @@ ControlRequest Bystanders::DrawRequest() {
   static constexpr std::array kVerbs{
       ControlVerb::kStep,  ControlVerb::kUserStop, ControlVerb::kGuiding, ControlVerb::kRecover,
       ControlVerb::kReset, ControlVerb::kSnapshot, ControlVerb::kRestore, ControlVerb::kPlace};
-  ControlRequest request{.verb = kVerbs[static_cast<std::size_t>(dice_.Whole(0, 7))]};
+  ControlRequest request{.verb =
+                             kVerbs[static_cast<std::size_t>(dice_.Whole(0, kVerbs.size() - 1))]};
   request.cycles = static_cast<std::uint64_t>(dice_.Whole(1, 300));
   request.on = dice_.Chance(0.5);
   request.name = dice_.Chance(0.5) ? ControlRequest::kSnapshot : "other";
@@ -82,8 +83,9 @@ ControlRequest Bystanders::DrawRequest() {
 nlohmann::json Bystanders::Ask(const ControlRequest& request) {
   const std::string line = server::AskControl(socket_, request);
   const auto answer = nlohmann::json::parse(line, nullptr, false);
-  if (answer.is_discarded() || !answer.contains("ok"))
+  if (answer.is_discarded() || !answer.contains("ok")) {
     Break("no answer of a control channel: " + line);
+  }
   return answer;
 }
 
