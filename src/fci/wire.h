@@ -77,7 +77,7 @@ inline void Put(std::byte* at, const MotionModes& modes) noexcept {
 template <typename T>
 void PutSingle(std::byte* at, const T& value) noexcept {
   static_assert(kIsReal<T>);
-  std::array<double, sizeof(T) / sizeof(double)> doubles;
+  std::array<double, kBytes<T> / sizeof(double)> doubles;
   std::memcpy(doubles.data(), &value, sizeof value);
   for (const double one : doubles) {
     Put(at, static_cast<float>(one));
@@ -89,7 +89,7 @@ void PutSingle(std::byte* at, const T& value) noexcept {
 template <typename T>
 void TakeSingle(const std::byte* at, T& value) noexcept {
   static_assert(kIsReal<T>);
-  std::array<double, sizeof(T) / sizeof(double)> doubles;
+  std::array<double, kBytes<T> / sizeof(double)> doubles;
   for (double& one : doubles) {
     float single = 0;
     std::memcpy(&single, at, sizeof single);

@@ -52,6 +52,7 @@ std::vector<std::string> NamesOf(int count) {
   using record::Name;
   using twin::Name;
   std::vector<std::string> names;
+  names.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) names.emplace_back(Name(static_cast<Enum>(i)));
   return names;
 }
@@ -114,7 +115,7 @@ class Columns {
 
   /// A field, or `message.field`. @param name  of the column; empty: the field's.
   Columns& Add(const std::string& field, std::string unit, std::string meaning,
-               std::string name = {}) {
+               const std::string& name = {}) {
     const bool is_time = table_.info.columns.empty();
     const Descriptor* of = row_ != nullptr && !is_time ? row_ : &message_;
     ColumnSource source;
@@ -130,7 +131,7 @@ class Columns {
     source.coding = CodingOf(*found);
     if (source.coding == Coding::kEnum) source.names = NamesOf(*found->enum_type());
     ColumnInfo& column = table_.info.columns.emplace_back();
-    column.name = name.empty() ? found->name() : std::move(name);
+    column.name = name.empty() ? found->name() : name;
     column.type = TypeOf(source.coding);
     column.is_vector = source.coding == Coding::kDoubles;
     column.unit = std::move(unit);

@@ -176,8 +176,8 @@ std::vector<report::ScriptedForce> ForcesOf(const scenario::Scenario& scenario) 
   std::vector<report::ScriptedForce> forces;
   for (const plant::Perturbation& perturbation : scenario.perturbations) {
     const std::string& body = plant::BodyOf(perturbation);
-    const auto add = [&](const auto& force, std::string what) {
-      forces.push_back({.what = std::move(what),
+    const auto add = [&](const auto& force, const std::string& what) {
+      forces.push_back({.what = what,
                         .begin = ToSeconds(force.begin),
                         .end = ToSeconds(force.begin + force.duration),
                         .motion = force.motion});

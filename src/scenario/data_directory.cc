@@ -70,7 +70,7 @@ fs::path FindScenario(const fs::path& named, const fs::path& models) {
   std::error_code none;
   if (named.is_absolute() || fs::exists(named, none)) return named;
   const bool says_models = !named.empty() && *named.begin() == "models";
-  const fs::path installed = models / (says_models ? named.lexically_relative("models") : named);
+  fs::path installed = models / (says_models ? named.lexically_relative("models") : named);
   if (fs::is_regular_file(installed, none)) return installed;
   if (!named.has_parent_path() && fs::is_regular_file(models / "scenarios" / named, none)) {
     throw InputError(fmt::format(

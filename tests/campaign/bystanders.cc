@@ -32,8 +32,8 @@ std::filesystem::path NewSocket() {
          fmt::format("panda_twin_campaign_{}_{}", getpid(), ++count);
 }
 
-[[noreturn]] void Break(std::string text) {
-  throw BrokenPromise(std::move(text));
+[[noreturn]] void Break(const std::string& text) {
+  throw BrokenPromise(text);
 }
 
 }  // namespace
@@ -82,7 +82,7 @@ ControlRequest Bystanders::DrawRequest() {
 
 nlohmann::json Bystanders::Ask(const ControlRequest& request) {
   const std::string line = server::AskControl(socket_, request);
-  const auto answer = nlohmann::json::parse(line, nullptr, false);
+  auto answer = nlohmann::json::parse(line, nullptr, false);
   if (answer.is_discarded() || !answer.contains("ok")) {
     Break("no answer of a control channel: " + line);
   }

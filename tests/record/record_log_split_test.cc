@@ -184,7 +184,8 @@ TEST(LogSplitTest, TwoDoNotWriteOneLog) {
   Recorder recorder(folder / "a.mcap", SampleRun(), FullRing::kWait, {.time = milliseconds(100)});
   PutCycles(recorder, 0, 150);
   try {
-    Recorder(folder / "a.mcap", SampleRun(), FullRing::kWait, {.time = milliseconds(100)});
+    const Recorder second(folder / "a.mcap", SampleRun(), FullRing::kWait,
+                          {.time = milliseconds(100)});
     FAIL() << "no exception";
   } catch (const EnvironmentError& error) {
     EXPECT_THAT(error.what(), HasSubstr("another run writes"));
