@@ -38,8 +38,8 @@ namespace {
 using namespace nb::literals;  // NOLINT(google-build-using-namespace): "name"_a
 
 template <typename Number, typename... Shape>
-using Array = nb::ndarray<Number, nb::c_contig, nb::device::cpu, Shape...>;
-using Rows = Array<double, nb::ndim<2>>;
+using Buffer = nb::ndarray<Number, nb::c_contig, nb::device::cpu, Shape...>;
+using RowBuffer = Buffer<double, nb::ndim<2>>;
 
 /// Numbers of a target: seven of the interface (a pose: as Place), and the fingers: > 0 opens,
 /// < 0 grasps, 0 leaves them alone.
@@ -141,7 +141,7 @@ class Robots {
   [[nodiscard]] run::SteppedRobot& robot(std::size_t i) { return At(i).robot; }
 
   void Reset(const std::vector<std::size_t>& which, const std::vector<run::EpisodeStart>& starts,
-             const Rows& rows) {
+             const RowBuffer& rows) {
     if (which.size() != starts.size()) throw InputError("reset: one start per robot is needed");
     for (const std::size_t i : which) Require(i, rows);
     const Use use(*this);
@@ -154,8 +154,8 @@ class Robots {
     });
   }
 
-  void Step(const Rows& targets, const Array<const bool, nb::ndim<1>>& mask, std::uint64_t cycles,
-            const Rows& rows) {
+  void Step(const RowBuffer& targets, const Buffer<const bool, nb::ndim<1>>& mask,
+            std::uint64_t cycles, const RowBuffer& rows) {
     const std::size_t count = robots_.size();
     if (targets.shape(0) != count || targets.shape(1) != kTargetSize || mask.shape(0) != count) {
       throw InputError("step: targets must be (robots, 8), the mask (robots,)");
@@ -196,14 +196,15 @@ class Robots {
       throw InputError("robots: there is none of number " + std::to_string(i));
     return *robots_[i];
   }
-  void Require(std::size_t i, const Rows& rows) {
+  void Require(std::size_t i, const RowBuffer& rows) {
     static_cast<void>(At(i));
     if (rows.shape(0) != robots_.size() || rows.shape(1) != row_size()) {
       throw InputError("rows: they must be (robots, row_size)");
     }
   }
 
-  void StepOne(std::size_t i, const Rows& targets, std::uint64_t cycles, const Rows& rows) {
+  void StepOne(std::size_t i, const RowBuffer& targets, std::uint64_t cycles,
+               const RowBuffer& rows) {
     Stepped& stepped = *robots_[i];
     const double* const target = targets.data() + i * kTargetSize;
     stepped.robot.SetTarget(TargetOf(target));
@@ -241,7 +242,7 @@ class Robots {
     }
   }
 
-  void Write(std::size_t i, const Rows& rows) {
+  void Write(std::size_t i, const RowBuffer& rows) {
     double* const row = rows.data() + i * row_size();
     const run::SteppedRobot& robot = robots_[i]->robot;
     std::memcpy(row, &robot.report(), sizeof(run::StepReport));
@@ -277,7 +278,7 @@ class Camera {
   }
 
   /// Draws what is there now, and small balls at `marks`.
-  void Draw(const std::vector<Vector3>& marks, const Array<std::uint8_t, nb::ndim<3>>& out) {
+  void Draw(const std::vector<Vector3>& marks, const Buffer<std::uint8_t, nb::ndim<3>>& out) {
     Require(out, 3);
     const Robots::Use use(robots_);
     const GilReleased release;
@@ -288,7 +289,7 @@ class Camera {
     std::ranges::copy(image.rgb, out.data());
   }
 
-  void Depth(const Array<float, nb::ndim<3>>& out) {
+  void Depth(const Buffer<float, nb::ndim<3>>& out) {
     Require(out, 1);
     const Robots::Use use(robots_);
     const GilReleased release;

@@ -29,7 +29,7 @@ using record::ColumnReader;
 using record::ColumnType;
 using record::Table;
 using record::TableInfo;
-using Array = nb::ndarray<nb::numpy, nb::ro>;
+using ColumnArray = nb::ndarray<nb::numpy, nb::ro>;
 
 nb::dlpack::dtype TypeOf(ColumnType type) {
   switch (type) {
@@ -51,7 +51,7 @@ const std::shared_ptr<const Column>& ColumnOf(const Table& table, const std::str
 }
 
 /// A read-only array that shares the column's memory and keeps it.
-Array ArrayOf(const Table& table, const std::string& name) {
+ColumnArray ColumnArrayOf(const Table& table, const std::string& name) {
   const std::shared_ptr<const Column>& column = ColumnOf(table, name);
   const nb::capsule owner(new std::shared_ptr<const Column>(column), [](void* pointer) noexcept {
     delete static_cast<std::shared_ptr<const Column>*>(pointer);
@@ -63,7 +63,7 @@ Array ArrayOf(const Table& table, const std::string& name) {
           nullptr, TypeOf(column->info->type)};
 }
 
-std::vector<std::string> NamesOf(const Table& table) {
+std::vector<std::string> ColumnNamesOf(const Table& table) {
   std::vector<std::string> names;
   for (const auto& column : table.columns) names.push_back(column->info->name);
   return names;
@@ -141,8 +141,8 @@ nb::list DescribeTables() {
 void AddLog(nb::module_& module) {
   nb::class_<Table>(module, "LogTable")
       .def_prop_ro("rows", [](const Table& table) { return table.rows; })
-      .def_prop_ro("names", &NamesOf)
-      .def("array", &ArrayOf, nb::arg("name"))
+      .def_prop_ro("names", &ColumnNamesOf)
+      .def("array", &ColumnArrayOf, nb::arg("name"))
       .def(
           "texts",
           [](const Table& table, const std::string& name) { return ColumnOf(table, name)->texts; },

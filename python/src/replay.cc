@@ -29,7 +29,7 @@ namespace twin::python {
 namespace {
 
 template <typename T, Py_ssize_t... kShape>
-using Rows = nb::ndarray<T, nb::shape<-1, kShape...>, nb::c_contig, nb::device::cpu>;
+using BlockOf = nb::ndarray<T, nb::shape<-1, kShape...>, nb::c_contig, nb::device::cpu>;
 
 /// What is asked of the robot before a cycle.
 enum class Asked : std::uint8_t { kNothing, kStart, kStop, kRecover };
@@ -86,9 +86,11 @@ void Ask(run::CommandReplay& replay, const std::uint8_t* request) noexcept {
 }
 
 /// @param requests  a row's Asked, MotionGeneratorMode and ControllerMode.
-void Advance(run::CommandReplay& replay, const Rows<const std::uint8_t, 3>& requests,
-             const Rows<const bool>& present, const Rows<const double, kCommandSize>& commands,
-             const Rows<double, kStateSize>& states, const Rows<std::uint64_t, kCodes>& codes) {
+void Advance(run::CommandReplay& replay, const BlockOf<const std::uint8_t, 3>& requests,
+             const BlockOf<const bool>& present,
+             const BlockOf<const double, kCommandSize>& commands,
+             const BlockOf<double, kStateSize>& states,
+             const BlockOf<std::uint64_t, kCodes>& codes) {
   const std::size_t rows = present.shape(0);
   if (requests.shape(0) != rows || commands.shape(0) != rows || states.shape(0) != rows ||
       codes.shape(0) != rows) {
@@ -118,9 +120,9 @@ class ExternalTorque {
 
   /// Rows that follow those of the last call. @param anew  rows at which the estimate begins at
   /// zero, as after a gap.
-  void Advance(const Rows<const double, 7>& q, const Rows<const double, 7>& dq,
-               const Rows<const double, 7>& tau_J, const Rows<const bool>& anew,
-               const Rows<double, kSize>& out) {
+  void Advance(const BlockOf<const double, 7>& q, const BlockOf<const double, 7>& dq,
+               const BlockOf<const double, 7>& tau_J, const BlockOf<const bool>& anew,
+               const BlockOf<double, kSize>& out) {
     const std::size_t rows = q.shape(0);
     if (dq.shape(0) != rows || tau_J.shape(0) != rows || anew.shape(0) != rows ||
         out.shape(0) != rows) {
