@@ -48,7 +48,9 @@ class CellTest(unittest.TestCase):
             self.assertIn(f"{name}: panda-twin serves panda", said)
 
     def test_at_the_pace_of_the_wall_clock(self):
-        self.lead_both("--pace", "1")
+        # The robot waits for answers, but what panda-python is led by is a thread of its own, without priority: a target that comes late is a jump.
+        witness.undisturbed(lambda: witness.Witness(PROGRAM, 0), lambda: self.lead_both("--pace", "1"),
+                            {"velocity_violation": (witness.IN_ROW, 20)}, attempts=3)
 
     def test_ends_on_the_wall_clock(self):
         done = subprocess.run([PROGRAM, "serve", SOURCE / "tests/clients/two_arms.yaml", "--bind", own_address(), "--drive", "realtime",

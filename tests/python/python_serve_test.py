@@ -292,21 +292,22 @@ class Ends(Case):
         self.assertNotIn("day_0001.mcap", parts)
 
     def test_two_hundred_leave_nothing(self):
-        def held(threads=0):
-            status = pathlib.Path("/proc/self/status").read_text()
-            return (process_counts.threads(at_most=threads), process_counts.descriptors(),
-                    int(status.split("VmRSS:")[1].split()[0]) // 1024)
+        def memory():
+            return int(pathlib.Path("/proc/self/status").read_text().split("VmRSS:")[1].split()[0]) // 1024
 
-        marks = []
+        # The least of ten in a row: the C library gives a robot's 15 MB back now and then.
+        counts, least = [], [[], []]
         for number in range(200):
             with panda_twin.serve() as robot:
                 robot.pause()
+            if number // 10 in (4, 19):
+                least[number // 150].append(memory())
             if number in (49, 199):
-                marks.append(held(marks[0][0] if marks else 0))
-        print("threads, descriptors, MB after 50 and 200:", *marks)
-        self.assertLessEqual(marks[1][0], marks[0][0])
-        self.assertEqual(marks[0][1], marks[1][1])
-        self.assertLess(marks[1][2] - marks[0][2], 15)
+                counts.append((process_counts.threads(at_most=counts[0][0] if counts else 0), process_counts.descriptors()))
+        print("threads, descriptors, MB after 50 and 200:", *counts, *map(min, least))
+        self.assertLessEqual(counts[1][0], counts[0][0])
+        self.assertEqual(counts[0][1], counts[1][1])
+        self.assertLess(min(least[1]) - min(least[0]), 10)
 
 
 if __name__ == "__main__":
