@@ -48,7 +48,8 @@ class CellTest(unittest.TestCase):
             self.assertIn(f"{name}: panda-twin serves panda", said)
 
     def test_at_the_pace_of_the_wall_clock(self):
-        # The robot waits for answers, but what panda-python is led by is a thread of its own, without priority: a target that comes late is a jump.
+        # The robot waits for answers; where other programs take the processors for long, the arm all the same became too fast 2 times of 4:
+        # by a target that comes late, it seems, from a thread of panda-python's without priority.
         witness.undisturbed(lambda: witness.Witness(PROGRAM, 0), lambda: self.lead_both("--pace", "1"),
                             {"velocity_violation": (witness.IN_ROW, 20)}, attempts=3)
 
