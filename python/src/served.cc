@@ -139,8 +139,7 @@ class Served {
         session_->Tell(fmt::format("control: {}", server::ToLine(request)));
       });
     }
-    if (request.verb == server::ControlVerb::kStep ||
-        request.verb == server::ControlVerb::kRecover) {
+    if (server::TakesTime(request.verb)) {
       Await([this] { return !WhileOpen([this] { return controlled_->IsBusy(); }); });
     }
     const GilReleased release;

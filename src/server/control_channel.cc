@@ -152,8 +152,7 @@ class ControlChannel::Impl {
     try {
       robot_.Do(request);
       if (request.verb != ControlVerb::kStatus) tell_(fmt::format("control: {}", ToLine(request)));
-      connection.waits =
-          request.verb == ControlVerb::kStep || request.verb == ControlVerb::kRecover;
+      connection.waits = TakesTime(request.verb);
       if (!connection.waits) AnswerStatus(connection);
     } catch (const Error& error) {
       Answer(connection, Refusal(error.what()));

@@ -182,6 +182,10 @@ void Read(std::string_view key, const Json& value, const Entry& entry, ControlRe
 
 }  // namespace
 
+bool TakesTime(ControlVerb verb) noexcept {
+  return verb == ControlVerb::kStep || verb == ControlVerb::kRecover;
+}
+
 ControlRequest ParseControlRequest(std::string_view line) {
   const Json object = Json::parse(line, nullptr, false);
   if (!object.is_object()) {

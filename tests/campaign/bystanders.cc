@@ -2,13 +2,13 @@
 
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
 #include <thread>
 
 #include <fmt/format.h>
-#include <fmt/std.h>
 #include <nlohmann/json.hpp>
 
 #include "campaign/wire_client.h"
@@ -21,7 +21,7 @@ using server::ControlRequest;
 using server::ControlVerb;
 using test::Ask;
 
-/// A busy machine breaks no promise.
+/// Long enough for a busy machine.
 constexpr fci::ClientTimeout kPatience{std::chrono::seconds(20), std::chrono::seconds(20),
                                        std::chrono::seconds(20)};
 

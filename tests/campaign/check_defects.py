@@ -96,7 +96,7 @@ OTHERS = (
      "static_cast<std::uint8_t>(ControllerMode::kOther)", "static_cast<std::uint8_t>(ControllerMode::kExternalController)"),
     ("a deviation that is no number is taken", "src/server/arm_request_handler.cc",
      "std::isfinite(most) && most >= 0", "!(most < 0)"),
-    ("a recovery is answered before it ends", "src/server/control_channel.cc", " || request.verb == ControlVerb::kRecover", ""),
+    ("a recovery is answered before it ends", "src/server/control_request.cc", " || verb == ControlVerb::kRecover", ""),
     ("a step is one cycle longer", "src/robot/answer_paced_robot.cc",
      "compare_exchange_strong(paused, cycles, std", "compare_exchange_strong(paused, cycles + 1, std"),
     ("a grasp of nothing is a success", "src/onboard/gripper.cc",

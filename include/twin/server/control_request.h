@@ -26,6 +26,10 @@ enum class ControlVerb : std::uint8_t {
   kRestore,   ///< lockstep: goes back to the copy `name`
 };
 
+/// Whether the robot goes on with it once it is granted (ControlledRobot::IsBusy): its answer comes
+/// when that has ended.
+[[nodiscard]] bool TakesTime(ControlVerb verb) noexcept;
+
 /// A request to a control channel.
 struct ControlRequest {
   /// A day of the robot's time.
