@@ -33,7 +33,7 @@ import unittest
 
 PROGRAM, SOURCE, LIBRARY, ALL = "", pathlib.Path(), "", False
 
-SAMPLE = 6  # faults per command
+SAMPLE = 8  # faults per command
 SEED = int(os.environ.get("TWIN_FAULT_SEED", "1"))
 
 SHORT = """name: short

@@ -2,7 +2,7 @@
 
     identify_recovery_test.py [ROBOTS [FIRST]]
 
-As a test 4 robots; `identify_recovery_long_test` takes 200 and prints the table of docs/how-to/compare.md.
+As a test 6 robots; `identify_recovery_long_test` takes 200 and prints the table of docs/how-to/compare.md.
 """
 
 import sys
@@ -14,7 +14,7 @@ import identify_robots as robots
 from panda_twin.identify import compare
 from panda_twin.identify._regression import QUANTILE
 
-ROBOTS = 4
+ROBOTS = 6
 FIRST = 0
 KINDS = ("viscous", "coulomb", "offset", "steepness", "shift", "load.m", "load.h", "load.I", "delay")
 
