@@ -73,10 +73,14 @@ class ControlChannel::Impl {
     while (!stop.stop_requested()) {
       Wait();
       if (stop.stop_requested()) return;
-      for (Connection& connection : connections_) Serve(connection);
-      std::erase_if(connections_, [](const Connection& connection) { return connection.ended; });
-      Accept();  // after those that have ended have made room
+      ServeAll();
+      Accept();
     }
+  }
+
+  void ServeAll() {
+    for (Connection& connection : connections_) Serve(connection);
+    std::erase_if(connections_, [](const Connection& connection) { return connection.ended; });
   }
 
   void Wait() {
@@ -99,6 +103,8 @@ class ControlChannel::Impl {
       fci::FileDescriptor socket(
           accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
       if (!socket.valid()) return;
+      // One that has ended since makes room.
+      if (connections_.size() == kMostConnections) ServeAll();
       if (connections_.size() < kMostConnections) {
         connections_.push_back({std::move(socket)});
       } else {

@@ -381,6 +381,15 @@ class ChannelTest(ControlTest):
         channels[0].close()
         self.assertEqual(self.ctl("status")[0], 0)
 
+    def test_programs_that_have_ended_do_not_count(self):
+        self.serve()
+        for _ in range(200):
+            channels = [Channel(self.path) for _ in range(8)]
+            for channel in channels:
+                channel.close()
+            with contextlib.closing(Channel(self.path)) as channel:
+                self.assertTrue(channel.ask(do="status")["ok"])
+
     def test_a_line_that_is_too_long_is_no_request_however_it_comes(self):
         self.serve()
         for pieces in ((5000,), (4000, 1000)):
