@@ -14,6 +14,7 @@ A template's instances count as one.
 
 import argparse
 import collections
+import itertools
 import json
 import os
 import pathlib
@@ -102,8 +103,18 @@ def measure(source, build, options):
     run("cmake", "--build", build, "--target", PROGRAM, "-j", str(os.cpu_count()), stdout=subprocess.DEVNULL)
     for counts in build.rglob("*.gcda"):
         counts.unlink()
-    run(build / "tests/campaign" / PROGRAM, "--worlds", str(options.worlds), "--seed", str(options.seed), "--threads", str(os.cpu_count()),
-        "--out", build / "campaign", stdout=sys.stderr)
+    run_worlds(build / "tests/campaign" / PROGRAM, build / "campaign", options)
+
+
+def run_worlds(program, out, options):
+    """In processes, as threads of one would wait for each other at every count."""
+    shares = os.cpu_count()
+    firsts = [options.seed + options.worlds * share // shares for share in range(shares + 1)]
+    commands = [[program, "--worlds", str(end - first), "--seed", str(first), "--threads", "1", "--out", f"{out}-{first}"]
+                for first, end in itertools.pairwise(firsts) if end > first]
+    for done in [subprocess.Popen(command, stdout=sys.stderr) for command in commands]:
+        if done.wait() != 0:
+            sys.exit(f"coverage.py: {' '.join(map(str, done.args))} ended with {done.returncode}")
 
 
 def read(source, build):
