@@ -25,6 +25,9 @@ using test::Ask;
 constexpr fci::ClientTimeout kPatience{std::chrono::seconds(20), std::chrono::seconds(20),
                                        std::chrono::seconds(20)};
 
+/// Of the robot's time, while a command to the hand runs: a dozen of the hand's states.
+constexpr std::uint64_t kStep = 250;
+
 /// Unix sockets have a name of their own, in one process, too.
 std::filesystem::path NewSocket() {
   static std::atomic<int> count = 0;
@@ -36,11 +39,25 @@ std::filesystem::path NewSocket() {
   throw BrokenPromise(text);
 }
 
+/// Whether a command may end so where there is nothing to hold.
+bool MayEnd(const HandCommand& command, HandResult result) {
+  if (std::holds_alternative<hand::Vacuum>(command)) return result == HandResult::kUnsuccessful;
+  const auto* const grasp = std::get_if<hand::Grasp>(&command);
+  if (grasp == nullptr) return result == HandResult::kSuccess;
+  // The fingers go to the end of their way, to a millimetre, which is right for what is that thin
+  // or wide.
+  if (result == HandResult::kUnsuccessful) return grasp->width > grasp->epsilon_inner - 1e-3;
+  return result == HandResult::kSuccess &&
+         (grasp->width < grasp->epsilon_inner + 1e-3 ||
+          grasp->width > kHandStroke - grasp->epsilon_outer - 1e-3);
+}
+
 }  // namespace
 
-Bystanders::Bystanders(test::Dice& dice, server::ServedRobot& robot)
+Bystanders::Bystanders(test::Dice& dice, server::ServedRobot& robot, HandDevice device)
     : dice_(dice),
       robot_(robot),
+      device_(device),
       may_reset_(dice.Chance(0.5)),
       controlled_(robot, may_reset_),
       socket_(NewSocket()),
@@ -167,7 +184,7 @@ void Bystanders::GoBack(const ControlRequest& restore, test::Situation& now) {
 
 std::string Bystanders::UseHand() {
   if (!hand_) {
-    hand_.emplace("127.0.0.1", robot_.hand()->port, kPatience);
+    hand_.emplace("127.0.0.1", robot_.hand()->port, kPatience, nullptr, device_);
     last_ = 0;
   }
   if (dice_.Chance(0.1)) {
@@ -179,7 +196,7 @@ std::string Bystanders::UseHand() {
     return "the hand's client leaves";
   }
   const HandCommand command = DrawHandCommand();
-  const bool is_bad = FindBadValue(command, hand_->State().max_width).has_value();
+  const bool is_bad = FindBadValue(command, hand_->State().max_width, device_).has_value();
   const HandTicket ticket = hand_->Start(command);
   if (is_bad) {
     if (AwaitOutcome(ticket, false) != HandResult::kFail) Break("the hand takes a bad command");
@@ -194,7 +211,7 @@ std::string Bystanders::UseHand() {
 
 void Bystanders::TrySecondHandClient() const {
   try {
-    const fci::HandClient other("127.0.0.1", robot_.hand()->port);
+    const fci::HandClient other("127.0.0.1", robot_.hand()->port, {}, nullptr, device_);
   } catch (const RobotFault&) {
     return;
   }
@@ -202,6 +219,16 @@ void Bystanders::TrySecondHandClient() const {
 }
 
 HandCommand Bystanders::DrawHandCommand() {
+  if (device_ == HandDevice::kCobotPump) {
+    const int timeout_ms = dice_.Chance(0.1) ? -1 : dice_.Whole(100, 3000);
+    switch (dice_.Whole(0, 2)) {
+      case 0:
+        return hand::Vacuum{static_cast<std::uint8_t>(dice_.Chance(0.1) ? 0 : dice_.Whole(1, 255)),
+                            static_cast<std::uint8_t>(dice_.Whole(0, 4)), timeout_ms};
+      case 1: return hand::DropOff{timeout_ms};
+      default: return hand::Stop{};
+    }
+  }
   const double width = dice_.Chance(0.1) ? dice_.Between(-1, 1) : dice_.Between(0, kHandStroke);
   switch (dice_.Whole(0, 3)) {
     case 0: return hand::Homing{};
@@ -213,10 +240,10 @@ HandCommand Bystanders::DrawHandCommand() {
 }
 
 std::optional<HandResult> Bystanders::AwaitOutcome(HandTicket ticket, bool steps) {
-  constexpr int kLongest = 1000;  // times 5 ms, and with steps 250 ms of the robot's time
+  constexpr int kLongest = 1000;  // times 5 ms, and with steps kStep ms of the robot's time
   for (int i = 0; i < kLongest; ++i) {
     if (const auto result = hand_->Outcome(ticket)) return result;
-    if (steps) Do({.verb = ControlVerb::kStep, .cycles = 250});
+    if (steps) Do({.verb = ControlVerb::kStep, .cycles = kStep});
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   return std::nullopt;
@@ -225,26 +252,31 @@ std::optional<HandResult> Bystanders::AwaitOutcome(HandTicket ticket, bool steps
 void Bystanders::AwaitHand(const HandCommand& command, HandTicket ticket) {
   Do({.verb = ControlVerb::kPause});
   const std::optional<HandResult> result = AwaitOutcome(ticket, true);
+  Do({.verb = ControlVerb::kStep, .cycles = kStep});  // a stop ends at once, before any state
   Do({.verb = ControlVerb::kResume});
   if (!result) Break(fmt::format("{} does not end", Name(command)));
   may_be_busy_ = false;
-  const HandState state = hand_->State();
-  const auto* const move = std::get_if<hand::Move>(&command);
-  const auto* const grasp = std::get_if<hand::Grasp>(&command);
-  // There is nothing to grasp: the fingers go to the end of their way, to a millimetre, which is
-  // right for what is that thin or wide.
-  const bool may_succeed = grasp == nullptr || grasp->width < grasp->epsilon_inner + 1e-3 ||
-                           grasp->width > kHandStroke - grasp->epsilon_outer - 1e-3;
-  const bool may_miss = grasp != nullptr && grasp->width > grasp->epsilon_inner - 1e-3;
-  const bool fits = *result == HandResult::kSuccess        ? may_succeed
-                    : *result == HandResult::kUnsuccessful ? may_miss
-                                                           : false;
-  if (!fits) {
-    Break(fmt::format("{} ends as {}, {} m wide", Name(command), Name(*result), state.width));
+  if (!MayEnd(command, *result)) {
+    Break(fmt::format("{} ends as {}", Name(command), Name(*result)));
   }
-  const bool is_there = move == nullptr || std::abs(state.width - move->width) < 1e-3;
-  if (!is_there || !(state.width > -1e-3 && state.width < kHandStroke + 1e-3)) {
-    Break(fmt::format("the hand is {} m wide after {}", state.width, Name(command)));
+  device_ == HandDevice::kCobotPump ? CheckPump(command) : CheckFingers(command);
+}
+
+void Bystanders::CheckFingers(const HandCommand& command) {
+  const double width = hand_->State().width;
+  const auto* const move = std::get_if<hand::Move>(&command);
+  const bool is_there = move == nullptr || std::abs(width - move->width) < 1e-3;
+  if (!is_there || !(width > -1e-3 && width < kHandStroke + 1e-3)) {
+    Break(fmt::format("the hand is {} m wide after {}", width, Name(command)));
+  }
+}
+
+void Bystanders::CheckPump(const HandCommand& command) {
+  const HandState state = hand_->State();
+  if (!state.pump || state.is_grasped) Break("the pump holds what is not there");
+  const bool found_nothing = std::holds_alternative<hand::Vacuum>(command);
+  if (state.pump->device_status != (found_nothing ? PumpStatus::kYellow : PumpStatus::kGreen)) {
+    Break(fmt::format("the pump is {} after {}", Name(state.pump->device_status), Name(command)));
   }
 }
 

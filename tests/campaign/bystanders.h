@@ -26,8 +26,9 @@ namespace twin::campaign {
 /// Threads: one. Errors: BrokenPromise (wire_client.h).
 class Bystanders {
  public:
-  /// Both must outlive this. @pre the robot's time runs, in lockstep.
-  Bystanders(test::Dice& dice, server::ServedRobot& robot);
+  /// Dice and robot must outlive this. @param device  on the robot's flange, with nothing to hold.
+  /// @pre the robot's time runs, in lockstep.
+  Bystanders(test::Dice& dice, server::ServedRobot& robot, HandDevice device);
 
   /// One of them does something, between two motions. @param now  the robot, before it and after.
   /// @param done  gets what it was.
@@ -61,9 +62,12 @@ class Bystanders {
   std::optional<HandResult> AwaitOutcome(HandTicket ticket, bool steps);
   /// Lets time pass until the last command has ended, and holds it to its promise.
   void AwaitHand(const HandCommand& command, HandTicket ticket);
+  void CheckFingers(const HandCommand& command);
+  void CheckPump(const HandCommand& command);
 
   test::Dice& dice_;
   server::ServedRobot& robot_;
+  const HandDevice device_;
   const bool may_reset_;
   const server::ControlledRobot controlled_;
   const std::filesystem::path socket_;

@@ -101,6 +101,7 @@ OTHERS = (
      "compare_exchange_strong(paused, cycles, std", "compare_exchange_strong(paused, cycles + 1, std"),
     ("a grasp of nothing is a success", "src/onboard/gripper.cc",
      "End(InsideBand() ? HandResult::kSuccess : HandResult::kUnsuccessful)", "End(HandResult::kSuccess)"),
+    ("a suction of nothing is a success", "src/onboard/vacuum_pump.cc", "End(HandResult::kUnsuccessful);", "End(HandResult::kSuccess);"),
     ("a motion's start is not noted", "src/server/arm_request_handler.cc", "      in_motion_ = true;\n", ""),
 )
 

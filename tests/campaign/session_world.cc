@@ -57,13 +57,15 @@ class SessionWorld {
   explicit SessionWorld(std::uint64_t seed) : dice_(seed) {
     robot::RobotConfig config = test::HarnessRobot(robot::PlantKind::kIdeal);
     config.onboard.collision_behavior = scenario::NoCollisionBehavior();
-    config.plant.hand = plant::HandKind::kFrankaHand;
+    // Of dice of its own: sessions with a hand do not depend on it.
+    config.plant.hand =
+        Dice(~seed).Chance(0.25) ? plant::HandKind::kCobotPump : plant::HandKind::kFrankaHand;
     server::ServedRobotSettings settings{.takes_free_ports = true, .sink = &watch_};
     settings.lockstep = {.answer_timeout = std::chrono::seconds(10), .freeze_when_idle = true};
     settings.thread = rt::ThreadSettings{.name = "robot", .lock_memory = false};
     service_.emplace(config, robot::MakePlant(config), settings);
     service_->Start();
-    bystanders_.emplace(dice_, *service_);
+    bystanders_.emplace(dice_, *service_, plant::DeviceOf(config.plant.hand));
   }
 
   Outcome Run() {
