@@ -106,7 +106,7 @@ OTHERS = (
 )
 
 # Not found in 1500 worlds, and why: docs/reference/reliability.md.
-OPEN = ("a client's end leaves its motion", "a motion's start is not noted", "rejoining adds the source's acceleration",
+OPEN = ("rejoining adds the source's acceleration",
         "the viability filter is made for one loss fewer")
 
 

@@ -51,6 +51,21 @@ class CycleWatch final : public record::RecordSink {
   std::atomic<bool> is_finite_ = true;
 };
 
+/// Counts the motions that people are told of. Threads: any.
+class ToldMotions {
+ public:
+  void Take(std::string_view line) {
+    if (!line.starts_with("arm: motion ")) return;
+    ++(line.starts_with("arm: motion started") ? begun_ : ended_);
+  }
+  [[nodiscard]] int begun() const { return begun_; }
+  [[nodiscard]] int ended() const { return ended_; }
+
+ private:
+  std::atomic<int> begun_ = 0;
+  std::atomic<int> ended_ = 0;
+};
+
 /// One world: a robot, and clients one after the other.
 class SessionWorld {
  public:
@@ -61,7 +76,9 @@ class SessionWorld {
     config.plant.hand =
         Dice(~seed).Chance(0.25) ? plant::HandKind::kCobotPump : plant::HandKind::kFrankaHand;
     server::ServedRobotSettings settings{.takes_free_ports = true, .sink = &watch_};
-    settings.lockstep = {.answer_timeout = std::chrono::seconds(10), .freeze_when_idle = true};
+    settings.tell = [this](std::string_view line) { told_.Take(line); };
+    // Longer than any client's patience: the server itself has to end what a client leaves.
+    settings.lockstep = {.answer_timeout = std::chrono::minutes(1), .freeze_when_idle = true};
     settings.thread = rt::ThreadSettings{.name = "robot", .lock_memory = false};
     service_.emplace(config, robot::MakePlant(config), settings);
     service_->Start();
@@ -87,6 +104,11 @@ class SessionWorld {
       outcome.finding = Finding{"ids", "INT's cycles do not follow one another"};
     }
     if (!watch_.is_finite()) outcome.finding = Finding{"finite", "a state of INT's is not"};
+    // Of one that was left nobody may be told any more.
+    if (told_.begun() != motions_ || told_.ended() < motions_ - (left_moving_ ? 1 : 0)) {
+      outcome.finding = Finding{"session", fmt::format("of {} motions {} are told, and {} ends",
+                                                       motions_, told_.begun(), told_.ended())};
+    }
     return outcome;
   }
 
@@ -279,6 +301,7 @@ class SessionWorld {
             fmt::format("Move in mode {}", Name(now_.mode)), Byte(status));
     if (!starts) return;
     motion_ = id;
+    ++motions_;
     client_->OweEnd(id);
     RunMotion();
   }
@@ -405,12 +428,14 @@ class SessionWorld {
 
   Dice dice_;
   CycleWatch watch_;
+  ToldMotions told_;
   std::optional<server::ServedRobot> service_;
   std::optional<Bystanders> bystanders_;  ///< from service_'s start to its end
   std::optional<WireClient> client_;
   std::vector<std::string> done_;
   test::Situation now_;
   std::optional<std::uint32_t> motion_;  ///< command_id of the running motion's Move
+  int motions_ = 0;                      ///< that were started
   bool has_begun_ = false;               ///< the motion's first command was taken
   bool left_moving_ = false;             ///< the last client left in motion
 };
