@@ -11,8 +11,9 @@ function(twin_add_area name)
     set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
     twin_pch_for_libraries(${target})
     twin_unity(${target})
-    if(name IN_LIST TWIN_COVERAGE)  # neither inlined nor optimised before it is counted; no precompiled header is made like that
-      target_compile_options(${target} PRIVATE -O1 -fno-early-inlining --coverage -fprofile-update=atomic)
+    # Neither inlined nor optimised before it is counted. Threads may lose counts of each other's, but never one's first.
+    if(name IN_LIST TWIN_COVERAGE)  # no precompiled header is made like that
+      target_compile_options(${target} PRIVATE -O1 -fno-early-inlining --coverage -fprofile-update=single)
       set_target_properties(${target} PROPERTIES DISABLE_PRECOMPILE_HEADERS ON)
     endif()
   else()
