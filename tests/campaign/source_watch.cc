@@ -15,7 +15,7 @@ namespace {
 constexpr double kExact = 1e-9;  // rad
 /// The play time differs from the robot's by less, and its rate changes.
 constexpr double kPlayed = 0.02;
-/// Of a source that hardly moves its curve's bends show, rad.
+/// Of a source that hardly moves its curve's bends show, rad; and so does noise in its targets.
 constexpr double kPlayedLeast = 1e-7;
 /// Cycles that the resampler makes up for at once (loop::RejoiningFollower).
 constexpr std::uint64_t kMostCycles = 64;
@@ -56,8 +56,9 @@ void SourceWatch::CheckPlayed(const record::TickRecord& tick, std::uint64_t cycl
     const double mean = (tick.dq_ext[i] + last_->dq_ext[i]) / 2;
     const double change = std::abs(tick.dq_ext[i] - last_->dq_ext[i]);
     const double expected = tick.stalled ? 0 : seconds * mean;
+    const double bends = kPlayedLeast + 2 * world_.controller.target_noise;
     const double most =
-        tick.stalled ? 0 : 2 * seconds * change + kPlayed * std::abs(expected) + kPlayedLeast;
+        tick.stalled ? 0 : 2 * seconds * change + kPlayed * std::abs(expected) + bends;
     if (std::abs(moved - expected) <= most) continue;
     note_("source", fmt::format("the tick of state {}: in {} cycles without a deposit joint {} of "
                                 "the source moves by {:.9f} rad at {:.6f} rad/s{}",
