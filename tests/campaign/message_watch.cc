@@ -34,6 +34,12 @@ bool IsConstant(const scenario::Delay& delay) {
   return std::holds_alternative<faults::ConstantDelay>(delay.law);
 }
 
+/// Whether another seed draws other delays; a normal one without spread is drawn, and does not.
+bool IsDrawn(const scenario::Delay& delay) {
+  const auto* const normal = std::get_if<faults::NormalDelay>(&delay.law);
+  return !IsConstant(delay) && (normal == nullptr || normal->sigma > Duration::zero());
+}
+
 bool IsScripted(const scenario::Loss& loss) {
   return std::holds_alternative<scenario::ScriptedLoss>(loss.law);
 }
@@ -82,7 +88,7 @@ void MessageWatch::OnTick(const record::TickRecord& tick) {
   CheckStall(tick);
   CheckDepositTime(tick);
   CheckArrival(tick);
-  if (WasWritten(tick) && !IsConstant(world_.tick.cost)) {
+  if (WasWritten(tick) && IsDrawn(world_.tick.cost)) {
     ++drawn_costs_;
     costs_hash_.AddWord(static_cast<std::uint64_t>((tick.written - tick.read).count()));
   }

@@ -188,7 +188,9 @@ scenario::Scenario Shrink(scenario::Scenario world, std::string_view invariant,
         if (w.motion.poses.size() > 1) w.motion.poses.pop_back();
       },
       [](Scenario& w) { w.robot.clock_drift_ppm = 0; },
-      [](Scenario& w) { w.onboard = {}; },
+      [](Scenario& w) {
+        w.onboard = {}, w.onboard.collision_behavior = scenario::NoCollisionBehavior();
+      },
       [](Scenario& w) { w.onboard.filters = {}; },
       [](Scenario& w) { w.onboard.NE_T_EE = {}; },
       [](Scenario& w) { w.onboard.collision_behavior = scenario::NoCollisionBehavior(); },

@@ -19,6 +19,8 @@ namespace twin::campaign {
 namespace {
 
 constexpr int kMillisecondsToRest = 1000;  ///< after an abort
+/// kRestTimeout, and to a stand: an arm without its rotors may be too light to be held.
+constexpr int kMillisecondsToBrakes = 1200;
 constexpr double kRestSpeed = 0.05;        ///< measured, rad/s
 constexpr double kWildShare = 2;           ///< of the velocity limit, that no arm moves at
 constexpr double kGoalNear = 1e-4;         ///< rad: what is left of the speed at which motions end
@@ -229,11 +231,12 @@ void Watch::CheckRest(const RobotState& state) {
     since_abort_ = -1;
     return;
   }
-  if (++since_abort_ != kMillisecondsToRest || !world_.perturbations.empty()) return;
+  const int most = world_.plant.armature ? kMillisecondsToRest : kMillisecondsToBrakes;
+  if (++since_abort_ != most || !world_.perturbations.empty()) return;
   const auto fastest = std::ranges::max(state.dq, {}, [](double dq) { return std::abs(dq); });
   if (std::abs(fastest) > kRestSpeed) {
-    Note("rest", fmt::format("cycle {}: 1 s after an abort a joint moves at {} rad/s",
-                             state.message_id, fastest));
+    Note("rest", fmt::format("cycle {}: {} ms after an abort a joint moves at {} rad/s",
+                             state.message_id, most, fastest));
   }
 }
 
