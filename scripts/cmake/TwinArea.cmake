@@ -11,8 +11,9 @@ function(twin_add_area name)
     set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
     twin_pch_for_libraries(${target})
     twin_unity(${target})
-    # Neither inlined nor optimised before it is counted. Threads may lose counts of each other's, but never one's first.
-    if(name IN_LIST TWIN_COVERAGE)  # no precompiled header is made like that
+    # Neither inlined nor optimised before it is counted, and so without the precompiled headers. A race of two threads may lose
+    # counts, but what ran keeps one.
+    if(name IN_LIST TWIN_COVERAGE)
       target_compile_options(${target} PRIVATE -O1 -fno-early-inlining --coverage -fprofile-update=single)
       set_target_properties(${target} PROPERTIES DISABLE_PRECOMPILE_HEADERS ON)
     endif()

@@ -103,7 +103,7 @@ class ControlChannel::Impl {
       fci::FileDescriptor socket(
           accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
       if (!socket.valid()) return;
-      // One that has ended since makes room.
+      // Connections that have ended since the last call make room.
       if (connections_.size() == kMostConnections) ServeAll();
       if (connections_.size() < kMostConnections) {
         connections_.push_back({std::move(socket)});

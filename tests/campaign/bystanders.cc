@@ -259,7 +259,11 @@ void Bystanders::AwaitHand(const HandCommand& command, HandTicket ticket) {
   if (!MayEnd(command, *result)) {
     Break(fmt::format("{} ends as {}", Name(command), Name(*result)));
   }
-  device_ == HandDevice::kCobotPump ? CheckPump(command) : CheckFingers(command);
+  if (device_ == HandDevice::kCobotPump) {
+    CheckPump(command);
+  } else {
+    CheckFingers(command);
+  }
 }
 
 void Bystanders::CheckFingers(const HandCommand& command) {
