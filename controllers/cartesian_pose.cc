@@ -14,6 +14,12 @@ namespace {
 constexpr double kArrived = 1e-5;      // m and rad
 constexpr double kLimitMargin = 0.01;  // rad
 
+/// The way on which a joint of velocity dq comes to rest within its limits, with the direction of
+/// dq, rad: it brakes at A after A/J, and ends as it began; a little more for dq < A^2/J.
+double StoppingWay(double dq, double A, double J) {
+  return dq / 2 * (std::abs(dq) / A + A / J);
+}
+
 }  // namespace
 
 CartesianPoseController::CartesianPoseController(const control::ControllerRequest& request,
@@ -77,12 +83,16 @@ void CartesianPoseController::Step(Duration from, Duration to) noexcept {
   for (std::size_t j = 0; j < kJoints; ++j) {
     q[j] += dq[j] * ToSeconds(to - from);
     if (!(std::abs(dq[j]) <= limits_.dq_max[j])) return Fail(Failure::kVelocity, j, dq[j], to);
-    const bool is_inside =
-        q[j] >= limits_.q_min[j] + kLimitMargin && q[j] <= limits_.q_max[j] - kLimitMargin;
-    if (!is_inside) return Fail(Failure::kPosition, j, q[j], to);
+    const double at_rest = q[j] + StoppingWay(dq[j], limits_.ddq_max[j], limits_.dddq_max[j]);
+    if (!IsInRange(j, q[j])) return Fail(Failure::kPosition, j, q[j], to);
+    if (!IsInRange(j, at_rest)) return Fail(Failure::kPosition, j, at_rest, to);
   }
   q_c_ = q;
   dq_c_ = dq;
+}
+
+bool CartesianPoseController::IsInRange(std::size_t joint, double q) const noexcept {
+  return q >= limits_.q_min[joint] + kLimitMargin && q <= limits_.q_max[joint] - kLimitMargin;
 }
 
 void CartesianPoseController::Fail(Failure failure, std::size_t joint, double value,
@@ -107,10 +117,9 @@ std::string CartesianPoseController::Explain() const {
           at, j + 1, failed_value_, limits_.dq_max[j]);
     case Failure::kPosition:
       return fmt::format(
-          "cartesian_pose: at {:.3f} s joint {} comes to {:.4f} rad, {} rad short of the end of "
-          "its "
-          "range [{:.4f}, {:.4f}] rad or beyond; lead the path elsewhere, or begin it with another "
-          "configuration of the arm",
+          "cartesian_pose: at {:.3f} s joint {} can stop at {:.4f} rad at the earliest, {} rad "
+          "short of the end of its range [{:.4f}, {:.4f}] rad or beyond; lead the path elsewhere, "
+          "or begin it with another configuration of the arm",
           at, j + 1, failed_value_, kLimitMargin, limits_.q_min[j], limits_.q_max[j]);
     case Failure::kGoal:
       return fmt::format(

@@ -36,9 +36,9 @@ struct CartesianPoseOptions {
 /// Null space: dq_c is the smallest joint motion, so the joints do not return along a closed path
 /// in general. Singularities: alpha = 1e-6 has no effect above singular values of about 1e-2 and
 /// lets dq_c grow to |dx_d| / (2 sqrt(alpha)) = 500 rad/m. Limits: the law does not bound q_c. The
-/// controller therefore sets `failed` when a joint would exceed its speed limit or comes within
-/// 0.01 rad of the end of its range, and when the goal is not reached in goal_time. Explain() gives
-/// joint, value and bound.
+/// controller therefore sets `failed` when a joint would exceed its speed limit or could no longer
+/// stop 0.01 rad short of the end of its range, and when the goal is not reached in goal_time.
+/// Explain() gives joint, value and bound.
 ///
 /// End: after the path, once e is within 1e-5 m and 1e-5 rad, q_c holds with dq_c = 0 and
 /// `finished` is set. This stop is a step of K_P 1e-5 m/s.
@@ -68,6 +68,7 @@ class CartesianPoseController final : public control::Controller {
 
   /// Integrates over a step. @param from, to  since the start of the motion.
   void Step(Duration from, Duration to) noexcept;
+  [[nodiscard]] bool IsInRange(std::size_t joint, double q) const noexcept;
   void Fail(Failure failure, std::size_t joint, double value, Duration at) noexcept;
 
   const model::ArmModel& arm_;

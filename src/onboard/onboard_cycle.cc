@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "onboard/bounds.h"
 #include "twin/core/error_catalogue.h"
 #include "twin/core/robot_state.h"
 #include "twin/onboard/limit_monitor.h"
@@ -60,11 +61,7 @@ void OnboardController::AdvanceReference(const RobotCommand* command,
     case Phase::kStarting: AwaitFirstCommand(command); break;
     case Phase::kRunning: command != nullptr ? Take(*command, false) : Hold(); break;
     case Phase::kFinishing: Finish(sensors); break;
-    case Phase::kPreempting:
-      TakeOver(sensors);
-      generator_.Brake();
-      if (generator_.AtRest()) EndMotion(MoveStatus::kPreempted, RobotMode::kIdle);
-      break;
+    case Phase::kPreempting: Preempt(sensors); break;
   }
   if (!violations_.empty()) Abort(sensors);
 }
@@ -148,6 +145,21 @@ void OnboardController::Finish(const JointSensors& sensors) noexcept {
     generator_.StandStill();
   }
   if (generator_.AtRest()) EndMotion(MoveStatus::kSuccess, RobotMode::kIdle);
+}
+
+void OnboardController::Preempt(const JointSensors& sensors) noexcept {
+  TakeOver(sensors);
+  MotionGenerator next = generator_;
+  next.Brake();
+  if (modes_.controller != ControllerMode::kExternalController) {
+    const RobotError error =
+        IsCartesian(modes_.generator) ? kInverseKinematicsErrors.position : StepErrors{}.position;
+    internal::CheckJointRanges(error, next.joints().q_d, config_.limits.q_min, config_.limits.q_max,
+                               message_id_ + 1, violations_);
+    if (!violations_.empty()) return;
+  }
+  generator_ = next;
+  if (generator_.AtRest()) EndMotion(MoveStatus::kPreempted, RobotMode::kIdle);
 }
 
 void OnboardController::Abort(const JointSensors& sensors) noexcept {

@@ -145,6 +145,8 @@ void Watch::Put(const record::CycleRecord& record) noexcept {
   CheckViability(record);
   CheckRest(state);
   CheckPanel(state);
+  const bool moved = last_ && last_->state.robot_mode == RobotMode::kMove;
+  if (moved && state.robot_mode != RobotMode::kMove) q_d_at_end_ = state.q_d;
   if (!world_.application) messages_.OnCycle(record);
   last_ = record;
 }
@@ -339,14 +341,14 @@ void Watch::CheckEnd(const run::RunResult& result) {
                        result.report.end == backend::MotionEnd::kPreempted ||
                        result.report.end == backend::MotionEnd::kUserStopped;
   if (!is_told) Note("finish", "the motion ended and nobody says why");
-  if (result.report.end != backend::MotionEnd::kSuccess || !last_ ||
+  if (result.report.end != backend::MotionEnd::kSuccess ||
       world_.motion.interface != control::CommandInterface::kJointPosition ||
       !world_.motion.poses.empty()) {  // whose goal is no waypoint
     return;
   }
   const double allowed = world_.tick.finish_tolerance + world_.controller.target_noise + kGoalNear;
   for (std::size_t i = 0; i < kJoints; ++i) {
-    const double off = last_->state.q_d[i] - result.goal[i];
+    const double off = q_d_at_end_[i] - result.goal[i];
     if (std::abs(off) <= allowed) continue;
     Note("finish",
          fmt::format("the motion succeeded {} rad from the goal of joint {}", off, i + 1));

@@ -82,6 +82,7 @@ class Watch final : public record::RecordSink {
   std::optional<test::StateChecker> specification_;
   std::optional<Finding> finding_;
   std::optional<record::CycleRecord> last_;
+  JointVector q_d_at_end_{};  ///< in the state that ended the motion
   std::array<record::TickRecord, kKept> ticks_{};
   std::uint64_t cycles_ = 0;
   run::CycleCounts counts_;  ///< by a recount of its own

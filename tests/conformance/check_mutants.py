@@ -64,6 +64,7 @@ MUTANTS = [
     ("a finished command unchecked", "onboard_cycle.cc",
      "found = next.CheckStandingStill(message_id_ + 1);", ""),
     ("torque rate unchecked", "onboard_cycle.cc", "  found.Add(torque);", ""),
+    ("StopMove's ramp unchecked", "onboard_cycle.cc", "  if (modes_.controller != ControllerMode::kExternalController) {", "  if (false) {"),
     ("what is measured unchecked", "onboard_cycle.cc",
      "sensing_.CheckMeasured(tau_J_d_, message_id_ + 1, IsCartesian(modes_.generator))", "Violations()"),
     ("collisions ignored", "onboard_cycle.cc", "violations_ = sensing_.Collisions(message_id_ + 1);", ""),

@@ -234,6 +234,34 @@ TEST(SingularStartTest, OnlyMotionsOfJointsBeginThere) {
   }
 }
 
+TEST(LateStopTest, ARampThatLeavesTheRangeOfAJointAborts) {
+  const auto path = [](const RobotState& start) { return JointPath(start, 1); };
+  for (const auto& [generator, error] :
+       {std::pair(MotionGeneratorMode::kJointVelocity,
+                  RobotError::kJointMotionGeneratorPositionLimitsViolation),
+        std::pair(MotionGeneratorMode::kCartesianPosition,
+                  RobotError::kCartesianMotionGeneratorJointPositionLimitsViolation)}) {
+    for (const HarnessCase& harness : Harnesses()) {
+      if (harness.plant_kind != robot::PlantKind::kIdeal) continue;
+      robot::RobotConfig robot = HarnessRobot(robot::PlantKind::kIdeal);
+      double& q_max = robot.onboard.limits.q_max[1];
+      q_max = robot.q_start[1] + 0.032;
+      Rig rig(harness.make(robot), robot, true);
+      Trial trial(rig, {ControllerMode::kJointImpedance, generator});
+      ASSERT_TRUE(trial.Start(path, false)) << rig.refusal();
+      trial.SpeedUp(0.3, 200);
+      rig.Stop();
+      for (int k = 0; k < 100 && trial.moves(); ++k) {
+        EXPECT_LE(rig.state().q_d[1], q_max);
+        rig.Cycle();
+      }
+      EXPECT_EQ(rig.state().errors, RobotErrors().set(static_cast<std::size_t>(error)));
+      EXPECT_GT(rig.state().q_d[1], q_max);
+      EXPECT_FALSE(rig.finding()) << *rig.finding();
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Table, ModesTest, ::testing::ValuesIn(Cases()), CaseName);
 
 TEST(ModesCoverageTest, EveryModeIsAScene) {

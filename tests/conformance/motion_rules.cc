@@ -58,7 +58,7 @@ void StateChecker::CheckMotion(const RobotState& s) {
     CheckAbort(s);
     return;
   }
-  const Verdict verdict = JudgeCycle(false);
+  const Verdict verdict = JudgeCycle(s, false);
   if (verdict.must_abort()) {
     Note(fmt::format("goes on in spite of {}", FormatErrors(verdict.may())));
   }
@@ -93,7 +93,7 @@ void StateChecker::BeginCycle() {
   }
 }
 
-Verdict StateChecker::JudgeCycle(bool in_detail) const {
+Verdict StateChecker::JudgeCycle(const RobotState& s, bool in_detail) const {
   Verdict verdict = JudgeMotionMeasured(in_detail);
   const bool waits_too_long =
       phase_ == Phase::kStarting && !command_ &&
@@ -106,7 +106,20 @@ Verdict StateChecker::JudgeCycle(bool in_detail) const {
     verdict.Then(lost);
   } else if (phase_ == Phase::kRunning || (phase_ == Phase::kStarting && command_)) {
     verdict.Then(JudgeStep(in_detail));
+  } else if (phase_ == Phase::kPreempting && !IsExternal(modes_)) {
+    verdict.Then(JudgePreempted(s));
   }
+  return verdict;
+}
+
+/// A ramp of the robot's own: an abort goes on with it, so that the state shows what it is for.
+Verdict StateChecker::JudgePreempted(const RobotState& s) const {
+  const JointLimits& limits = robot_.limits.joints;
+  const RobotError error = IsCartesian()
+                               ? RobotError::kCartesianMotionGeneratorJointPositionLimitsViolation
+                               : RobotError::kJointMotionGeneratorPositionLimitsViolation;
+  Verdict verdict;
+  verdict.Examine({error, kJoints, s.q_d, limits.q_min, limits.q_max, 0});
   return verdict;
 }
 
@@ -186,7 +199,7 @@ bool StateChecker::IsLagging() const {
 }
 
 void StateChecker::CheckAbort(const RobotState& s) {
-  const Verdict verdict = JudgeCycle(true);
+  const Verdict verdict = JudgeCycle(s, true);
   const bool known = (s.errors & ~verdict.may()).none() && (verdict.must() & ~s.errors).none();
   if (s.errors.none() || !known) {
     Note(fmt::format("aborted for {}; recomputed: {} for certain, {} possible",

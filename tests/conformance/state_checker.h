@@ -75,7 +75,8 @@ class StateChecker {
   // motion_rules.cc
   void CheckMotion(const RobotState& s);
   void BeginCycle();
-  [[nodiscard]] Verdict JudgeCycle(bool in_detail) const;
+  [[nodiscard]] Verdict JudgeCycle(const RobotState& s, bool in_detail) const;
+  [[nodiscard]] Verdict JudgePreempted(const RobotState& s) const;
   [[nodiscard]] Verdict JudgeMotionMeasured(bool in_detail) const;
   [[nodiscard]] Verdict JudgeStep(bool in_detail) const;
   [[nodiscard]] Verdict JudgeCartesianStep(bool in_detail) const;

@@ -16,6 +16,7 @@
 #include "twin/core/random.h"
 #include "twin/model/inverse_kinematics.h"
 #include "twin/model/transform.h"
+#include "twin/onboard/joint_reference.h"
 
 namespace twin::controllers::controllers_cartesian_pose_test {
 namespace {
@@ -189,8 +190,8 @@ TEST(CartesianPoseTest, GivesUpAtASingularity) {
               ::testing::AnyOf(HasSubstr("near a singularity"), HasSubstr("the end of its range")));
 }
 
-TEST(CartesianPoseTest, GivesUpAtTheEndOfAJointsRange) {
-  // Turning about the vertical at the spot takes joint 7 to its end.
+/// Turning about the vertical at the spot takes joint 7 to its end.
+Bench TurningTooFar() {
   const Transform start = PoseAt(kReady);
   Transform turned = start;
   const double c = std::cos(-2.6), s = std::sin(-2.6);
@@ -198,9 +199,32 @@ TEST(CartesianPoseTest, GivesUpAtTheEndOfAJointsRange) {
     turned[4 * column] = c * start[4 * column] - s * start[4 * column + 1];
     turned[4 * column + 1] = s * start[4 * column] + c * start[4 * column + 1];
   }
-  const Bench bench({{.O_T_EE = start}, {.O_T_EE = turned}});
-  EXPECT_THAT(ReasonToGiveUp(bench),
+  return Bench({{.O_T_EE = start}, {.O_T_EE = turned}});
+}
+
+TEST(CartesianPoseTest, GivesUpAtTheEndOfAJointsRange) {
+  EXPECT_THAT(ReasonToGiveUp(TurningTooFar()),
               AllOf(HasSubstr("joint 7"), HasSubstr("the end of its range")));
+}
+
+TEST(CartesianPoseTest, GivesUpWhereTheRobotCanStillStop) {
+  const Bench bench = TurningTooFar();
+  CartesianPoseController controller(bench.request());
+  controller.Activate(bench.state, Time());
+  const JointLimits limits = twin::test::PandaLimits();
+  ControllerOutput output;
+  JointVector q{};
+  JointVector dq{};
+  for (Duration t{}; t < 60s && !output.failed; t += 1ms) {
+    q = output.target.joint.q;
+    dq = output.target.joint.dq;
+    controller.Update(bench.state, Time(t), output);
+  }
+  ASSERT_TRUE(output.failed);
+  ASSERT_GT(dq[6], 0.1);
+  onboard::JointReference robot{.q_d = q, .dq_d = dq};
+  while (!robot.AtRest()) robot = onboard::StopStep(robot, limits);
+  EXPECT_LE(robot.q_d[6], limits.q_max[6] - 0.01);
 }
 
 TEST(CartesianPoseTest, GivesUpWhenTheGoalIsNotReachedInTime) {

@@ -284,6 +284,26 @@ TEST_F(OnboardControllerTest, StopMoveDeceleratesStillInMoveAndEndsPreempted) {
   EXPECT_TRUE(state_.errors.none());
 }
 
+TEST_F(OnboardControllerTest, StopMoveTooNearTheEndOfARangeAbortsWhereTheRampLeavesIt) {
+  StartMotion(kVelocity);
+  SpeedUp(5.0, 1.5);
+  const double q_max = Config().limits.q_max[0];
+  while (state_.q_d[0] < q_max - 0.03) SendVelocity(state_.dq_d);
+  onboard_.StopMove();
+  RobotState before = state_;
+  for (Cycle(); state_.robot_mode == RobotMode::kMove; Cycle()) {
+    EXPECT_LE(state_.q_d[0], q_max);
+    before = state_;
+  }
+  EXPECT_EQ(state_.robot_mode, RobotMode::kReflex);
+  EXPECT_EQ(onboard_.last_end(), MoveStatus::kReflexAborted);
+  EXPECT_TRUE(Reports(RobotError::kJointMotionGeneratorPositionLimitsViolation));
+  EXPECT_GT(state_.q_d[0], q_max);
+  EXPECT_NEAR(state_.q_d[0], before.q_d[0] + kT * state_.dq_d[0], 1e-12);
+  EXPECT_GE(state_.ddq_d[0], -Config().limits.ddq_max[0]);
+  EXPECT_LT(state_.ddq_d[0], 0);
+}
+
 TEST_F(OnboardControllerTest, RefusesASecondMotionAndModesItDoesNotOffer) {
   EXPECT_EQ(onboard_.Move({ControllerMode::kOther, MotionGeneratorMode::kJointPosition}),
             MoveStatus::kInvalidArgumentRejected);

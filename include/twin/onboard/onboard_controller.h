@@ -65,8 +65,9 @@ namespace twin::onboard {
 /// idle, errors and reflex_reason, and success rate 0. The reference ramps down within its limits
 /// (StopStep); recovery is refused until it rests. Beyond a joint's measured limit, recovery needs
 /// people (kManualErrorRecoveryRequiredRejected), who can guide the arm out of Reflex. StopMove()
-/// ramps down still in Move, then ends with Preempted. A collision in Idle also leads to Reflex,
-/// but keeps reflex_reason, which documents a motion.
+/// ramps down still in Move, then ends with Preempted; a ramp that takes q_d beyond a joint's range
+/// aborts with the generator's error of joint positions, unless a torque drove the arm. A collision
+/// in Idle also leads to Reflex, but keeps reflex_reason, which documents a motion.
 ///
 /// Halts. When INT cannot continue, with or without a motion, it closes the brakes at once and
 /// raises instability_detected; otherwise mode and errors are those of an abort. It halts when
@@ -102,9 +103,9 @@ namespace twin::onboard {
 ///
 /// Decisions on what is not public: the success rate in a motion's first 100 cycles, the 1000
 /// cycles within which a first command must arrive, the precedence of errors in one cycle
-/// (MotionGenerator), recovery taking 100 cycles, the end of a torque motion, and that external
-/// torque estimated after a cycle is checked in the next one. Source: FCI protocol 5, "Session and
-/// motion semantics", "What the robot side does".
+/// (MotionGenerator), recovery taking 100 cycles, the end of a torque motion, a ramp beyond a
+/// range, and that external torque estimated after a cycle is checked in the next one. Source: FCI
+/// protocol 5, "Session and motion semantics", "What the robot side does".
 ///
 /// Threads: one thread at a time. Real-time: every member after construction is noexcept and
 /// allocates nothing.
@@ -211,6 +212,7 @@ class OnboardController {
                                    const Violations& torque) noexcept;
   void Hold() noexcept;
   void Finish(const JointSensors& sensors) noexcept;
+  void Preempt(const JointSensors& sensors) noexcept;
   void Abort(const JointSensors& sensors) noexcept;
   void EndByError(RobotMode mode) noexcept;
   void TakeOver(const JointSensors& sensors) noexcept;
