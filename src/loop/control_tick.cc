@@ -75,7 +75,9 @@ const RobotCommand* ControlTick::Answer(const RobotState& state) noexcept {
   }
   if (chain_.breach()) {
     record_.action = record::TickAction::kLimited;
-    return chain_.sends() ? &record_.command : nullptr;
+    if (chain_.sends()) return &record_.command;
+    record_.command = RobotCommand();
+    return nullptr;
   }
   record_.action = finishing_ ? record::TickAction::kFinished : record::TickAction::kWritten;
   return &record_.command;

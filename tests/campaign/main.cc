@@ -16,6 +16,7 @@
 #include <CLI/CLI.hpp>
 
 #include "campaign/application_world.h"
+#include "campaign/cell_world.h"
 #include "campaign/client_world.h"
 #include "campaign/trial.h"
 #include "campaign/world.h"
@@ -81,8 +82,7 @@ class Campaign {
 
   int Run() {
     if (options_.prints) {
-      fmt::print("{}", IsOfClients(options_.seed) ? DescribeClientWorld(options_.seed)
-                                                  : scenario::ToYaml(Draw(options_.seed)));
+      fmt::print("{}", Describe(options_.seed));
       return 0;
     }
     run::WorkPool pool(options_.threads);
@@ -91,8 +91,7 @@ class Campaign {
       pool.ForEach(outcomes.size(), [&](std::size_t i) {
         const std::uint64_t seed = options_.seed + done + i;
         const bool repeats = options_.repeat_every != 0 && seed % options_.repeat_every == 0;
-        outcomes[i] = IsOfClients(seed) ? RunClientWorld(seed)
-                                        : RunWorld(Draw(seed), catalogue_, files_, repeats);
+        outcomes[i] = Try(seed, repeats);
       });
       for (std::size_t i = 0; i < outcomes.size(); ++i) {
         totals_.Add(options_.seed + done + i, outcomes[i]);
@@ -108,6 +107,19 @@ class Campaign {
   /// Users who try their own controller want worlds of that alone.
   [[nodiscard]] bool IsOfClients(std::uint64_t seed) const {
     return !around_ && IsClientWorld(seed);
+  }
+
+  [[nodiscard]] bool IsCell(std::uint64_t seed) const { return !around_ && IsCellWorld(seed); }
+
+  [[nodiscard]] std::string Describe(std::uint64_t seed) const {
+    if (IsOfClients(seed)) return DescribeClientWorld(seed);
+    return IsCell(seed) ? scenario::ToYaml(DrawCellWorld(seed)) : scenario::ToYaml(Draw(seed));
+  }
+
+  [[nodiscard]] Outcome Try(std::uint64_t seed, bool repeats) const {
+    if (IsOfClients(seed)) return RunClientWorld(seed);
+    if (IsCell(seed)) return RunCell(DrawCellWorld(seed), catalogue_, files_, repeats);
+    return RunWorld(Draw(seed), catalogue_, files_, repeats);
   }
 
   [[nodiscard]] scenario::Scenario Draw(std::uint64_t seed) const {
@@ -150,11 +162,21 @@ class Campaign {
       fmt::print("world {} shrunk: {}", seed, ShrinkClientWorld(seed, finding.invariant));
       return;
     }
-    const scenario::Scenario small = Shrink(Draw(seed), finding.invariant, catalogue_, files_);
-    const Outcome last = RunWorld(small, catalogue_, files_, NeedsRepeats(finding.invariant));
+    const bool repeats = NeedsRepeats(finding.invariant);
+    std::string text;
+    Outcome last;
+    if (IsCell(seed)) {
+      const auto small = ShrinkCell(DrawCellWorld(seed), finding.invariant, catalogue_, files_);
+      text = scenario::ToYaml(small);
+      last = RunCell(small, catalogue_, files_, repeats);
+    } else {
+      const auto small = Shrink(Draw(seed), finding.invariant, catalogue_, files_);
+      text = scenario::ToYaml(small);
+      last = RunWorld(small, catalogue_, files_, repeats);
+    }
     std::filesystem::create_directories(options_.out);
-    const std::filesystem::path file = options_.out / (small.name + ".yaml");
-    run::WriteWholeFile(file, scenario::ToYaml(small));
+    const std::filesystem::path file = options_.out / fmt::format("world_{}.yaml", seed);
+    run::WriteWholeFile(file, text);
     fmt::print("world {} shrunk, {}: {}\n", seed, file.string(),
                last.finding ? last.finding->text : "?");
     std::fflush(stdout);

@@ -64,8 +64,8 @@ double SpeedOf(double drift_ppm) {
 }  // namespace
 
 bool WasWritten(const record::TickRecord& tick) {
-  return record::WroteCommand(tick) ||
-         (tick.action == record::TickAction::kLimited && tick.written > tick.read);
+  return record::WroteCommand(tick) || (tick.action == record::TickAction::kLimited &&
+                                        tick.command.message_id == tick.message_id);
 }
 
 MessageWatch::Direction MessageWatch::Of(const scenario::DirectionSection& section) {

@@ -108,9 +108,9 @@ void SetPlant(scenario::Scenario& world, robot::PlantKind kind) {
 }  // namespace
 
 Outcome RunOnce(const scenario::Scenario& world, const run::Catalogue& catalogue,
-                const run::RunFiles& files) {
+                const run::RunFiles& files, bool may_touch) {
   Outcome outcome;
-  Watch watch(world);
+  Watch watch(world, may_touch);
   const backend::Registry watched = watch.Watched(catalogue.backends);
   try {
     world.Validate();
@@ -136,6 +136,7 @@ Outcome RunOnce(const scenario::Scenario& world, const run::Catalogue& catalogue
     outcome.finding = Finding{"errors", error.what()};
   }
   outcome.cycles = watch.cycles();
+  outcome.q = watch.q();
   const MessageWatch& messages = watch.messages();
   outcome.chance = {messages.lost_by_chance(), messages.losses_hash(), messages.drawn_costs(),
                     messages.costs_hash()};
@@ -151,11 +152,9 @@ Outcome RunWorld(const scenario::Scenario& world, const run::Catalogue& catalogu
   return outcome;
 }
 
-scenario::Scenario Shrink(scenario::Scenario world, std::string_view invariant,
-                          const run::Catalogue& catalogue, const run::RunFiles& files) {
+std::span<const Simplification> Simplifications() {
   using scenario::Scenario;
-  using Change = void (*)(Scenario&);
-  static constexpr Change kChanges[] = {
+  static constexpr Simplification kSimplifications[] = {
       [](Scenario& w) { w.perturbations.clear(); },
       [](Scenario& w) {
         if (!w.perturbations.empty()) w.perturbations.pop_back();
@@ -210,10 +209,15 @@ scenario::Scenario Shrink(scenario::Scenario world, std::string_view invariant,
       [](Scenario& w) { w.motion.timing = {}; },
       [](Scenario& w) { w.robot.hand = plant::HandKind::kNone, w.hand.clear(); },
   };
+  return kSimplifications;
+}
+
+scenario::Scenario Shrink(scenario::Scenario world, std::string_view invariant,
+                          const run::Catalogue& catalogue, const run::RunFiles& files) {
   for (bool smaller = true; smaller;) {
     smaller = false;
-    for (const Change change : kChanges) {
-      Scenario less = world;
+    for (const Simplification change : Simplifications()) {
+      scenario::Scenario less = world;
       change(less);
       if (less == world) continue;
       const Outcome outcome = RunWorld(less, catalogue, files, NeedsRepeats(invariant));

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "campaign/watch.h"
@@ -25,14 +26,17 @@ struct Outcome {
   std::string end;                 ///< "success", "aborted: ...", ...
   std::uint64_t cycles = 0;
   std::uint64_t states_hash = 0;
+  JointVector q{};  ///< measured, at the end
   Chance chance;
 };
 
 /// Runs a world once, watched.
 ///
 /// Threads: any; runs share nothing but files.cache.
+///
+/// @param may_touch  others stand so near that they may push the arm.
 [[nodiscard]] Outcome RunOnce(const scenario::Scenario& world, const run::Catalogue& catalogue,
-                              const run::RunFiles& files);
+                              const run::RunFiles& files, bool may_touch = false);
 
 /// The same, and then what must not change its states: its text read back, and run without a watch;
 /// the same text again with a log and a page's feed; and what must: another seed.
@@ -40,10 +44,14 @@ struct Outcome {
 [[nodiscard]] Outcome RunWorld(const scenario::Scenario& world, const run::Catalogue& catalogue,
                                const run::RunFiles& files, bool repeats);
 
-/// Whether only RunWorld's repeats show a violation of it.
+/// Whether only repeats show a violation of it.
 [[nodiscard]] inline bool NeedsRepeats(std::string_view invariant) {
-  return invariant == "repeats" || invariant == "seed";
+  return invariant == "repeats" || invariant == "seed" || invariant == "alone";
 }
+
+/// Takes one thing away from a world that has it.
+using Simplification = void (*)(scenario::Scenario& world);
+[[nodiscard]] std::span<const Simplification> Simplifications();
 
 /// The smallest world found that still violates the same invariant: what is not needed is taken
 /// away, one thing after the other, until nothing more can be.

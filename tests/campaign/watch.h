@@ -32,9 +32,10 @@ struct Finding {
 /// Threads: the run's.
 class Watch final : public record::RecordSink {
  public:
-  /// @param world  must outlive this.
-  explicit Watch(const scenario::Scenario& world)
+  /// @param world  must outlive this. @param may_touch  others may push the arm, too.
+  Watch(const scenario::Scenario& world, bool may_touch)
       : world_(world),
+        is_pushed_(may_touch || !world.perturbations.empty()),
         messages_(world, [this](std::string_view invariant,
                                 const auto& finding) { Note(invariant, finding); }),
         source_(world, [this](std::string_view invariant, const auto& finding) {
@@ -54,6 +55,8 @@ class Watch final : public record::RecordSink {
 
   /// So far; of an application, whose end is no run's.
   [[nodiscard]] const std::optional<Finding>& finding() const { return finding_; }
+  /// Measured in the last cycle seen.
+  [[nodiscard]] JointVector q() const { return last_ ? last_->state.q : JointVector{}; }
   /// Cycles seen.
   [[nodiscard]] std::uint64_t cycles() const { return cycles_; }
   [[nodiscard]] const MessageWatch& messages() const { return messages_; }
@@ -76,6 +79,7 @@ class Watch final : public record::RecordSink {
   static constexpr std::size_t kKept = 1024;  ///< ticks, by the id that they answer
 
   const scenario::Scenario& world_;
+  const bool is_pushed_;
   MessageWatch messages_;
   SourceWatch source_;
   std::optional<test::CheckedRobot> robot_;

@@ -240,6 +240,31 @@ TEST_F(ControlTickTest, WhatAControllerGivesAsItGivesUpIsNeverSent) {
   EXPECT_EQ(tick.record().action, record::TickAction::kInvalid);
 }
 
+TEST_F(ControlTickTest, RecordsNoCommandWhereTheRobotItselfMustStop) {
+  config_.generator = Generator::kNone;
+  config_.limits = test::PandaLimits();
+  config_.cartesian = test::PandaCartesianLimits();
+  config_.lab.emplace().force_max = 20;
+  q_d_ = {0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854};
+  ControlTick tick(config_, control::CommandInterface::kTorque, exchange_);
+  const MotionModes modes{ControllerMode::kExternalController, kPosition.generator};
+  tick.Activate(modes);
+  const auto step = [&](double force) {
+    state_ = State(true);
+    state_.controller_mode = modes.controller;
+    state_.q = q_d_;
+    state_.O_F_ext_hat_K[0] = force;
+    return tick.Tick(state_, Time(kCycle * static_cast<std::int64_t>(id_)));
+  };
+  static_cast<void>(step(0));
+  Put(q_d_, id_);
+  ASSERT_NE(step(0), nullptr);
+  EXPECT_EQ(tick.record().command.message_id, id_);
+  EXPECT_EQ(step(30), nullptr);
+  EXPECT_EQ(tick.record().action, record::TickAction::kLimited);
+  EXPECT_EQ(tick.record().command.message_id, 0u);
+}
+
 TEST_F(ControlTickTest, CountsStatesThatNeverCame) {
   ControlTick tick(config_, control::CommandInterface::kJointPosition, exchange_);
   static_cast<void>(Step(tick, false));

@@ -67,7 +67,7 @@ struct TickRecord {
   /// without a filtered command.
   std::optional<double> margin{};
   std::uint8_t kept_back = 0;
-  RobotCommand command;  ///< as written; all zero without one
+  RobotCommand command;  ///< as written; of kInvalid the one refused; else all zero
 };
 
 /// Whether the tick wrote a command of its command chain; not that of a stop before a lab's limit.

@@ -1,0 +1,228 @@
+#include "campaign/cell_world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "campaign/world.h"
+#include "conformance/dice.h"
+#include "twin/core/error.h"
+#include "twin/core/hash.h"
+#include "twin/plant/shared_model.h"
+#include "twin/rt/fiber.h"
+#include "twin/run/islands.h"
+
+namespace twin::campaign {
+namespace {
+
+using scenario::Cell;
+using scenario::CellRobot;
+using scenario::Scenario;
+
+/// Bases so far apart, m, are of arms that do not meet: only stretched out would they.
+constexpr double kApart = 2.1;
+constexpr double kSame = 1e-6;  // rad
+
+/// One robot of a cell. @param seed  of a world.
+Scenario DrawRobot(std::uint64_t seed) {
+  Scenario world = DrawWorld(seed);
+  world.plant.kind = robot::PlantKind::kMujoco;
+  world.plant.base_tilt = {};
+  world.base.reset();
+  world.objects.clear();
+  return world;
+}
+
+bool MayTouch(const Cell& cell) {
+  const Vector3& a = cell.robots.front().scenario.robot.pose.position;
+  for (std::size_t i = 1; i < cell.robots.size(); ++i) {
+    const Vector3& b = cell.robots[i].scenario.robot.pose.position;
+    if (std::hypot(a[0] - b[0], a[1] - b[1]) < kApart) return true;
+  }
+  return false;
+}
+
+/// What came of each robot, in their order.
+using RobotOutcomes = std::vector<std::pair<std::string, Outcome>>;
+
+void RunIsland(const run::Island& island, const run::Catalogue& catalogue,
+               const run::RunFiles& files, bool may_touch, RobotOutcomes& outcomes) {
+  const auto run = [&](std::size_t i, const backend::Registry& backends, Outcome& outcome) {
+    run::RunFiles own = files;
+    own.neighbours = {island.robots, i};
+    outcome = RunOnce(island.robots[i].scenario,
+                      {backends, catalogue.controllers, catalogue.devices}, own, may_touch);
+  };
+  std::deque<Outcome> ends(island.robots.size());
+  if (ends.size() == 1) {
+    run(0, catalogue.backends, ends.front());
+  } else {
+    const auto shared =
+        plant::SharedModel::Create(run::PlantsOf(island.robots, files), [] { rt::Fiber::Yield(); });
+    std::deque<backend::Registry> seats;
+    std::deque<rt::Fiber> runs;
+    for (std::size_t i = 0; i < ends.size(); ++i) {
+      const CellRobot& robot = island.robots[i];
+      seats.push_back(run::SeatOf(robot, shared, catalogue.backends));
+      runs.emplace_back([&, i] {
+        run(i, seats[i], ends[i]);
+        shared->Forgo(run::PrefixOf(island.robots[i]));
+      });
+    }
+    rt::ResumeInTurn(runs);
+  }
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    outcomes.emplace_back(island.robots[i].name, std::move(ends[i]));
+  }
+}
+
+RobotOutcomes RunRobots(const Cell& cell, const run::Catalogue& catalogue,
+                        const run::RunFiles& files) {
+  run::RequireApartAtStart(cell, files);
+  RobotOutcomes outcomes;
+  for (const run::Island& island : run::IslandsOf(cell, files)) {
+    RunIsland(island, catalogue, files, MayTouch(cell), outcomes);
+  }
+  return outcomes;
+}
+
+std::optional<Finding> CompareAgain(const RobotOutcomes& first, const RobotOutcomes& again) {
+  for (std::size_t i = 0; i < again.size(); ++i) {
+    const std::uint64_t here = first[i].second.states_hash;
+    const std::uint64_t there = again[i].second.states_hash;
+    if (here == there) continue;
+    return Finding{"repeats", fmt::format("{}: states {}, again {}", first[i].first,
+                                          FormatHash(here), FormatHash(there))};
+  }
+  return std::nullopt;
+}
+
+/// A model of several arms rounds otherwise.
+std::optional<Finding> CompareAlone(const std::string& name, const Outcome& here,
+                                    const Outcome& alone) {
+  double off = 0;
+  for (std::size_t i = 0; i < kJoints; ++i) off = std::max(off, std::abs(here.q[i] - alone.q[i]));
+  if (off <= kSame && here.end == alone.end && here.cycles == alone.cycles) return std::nullopt;
+  return Finding{"alone", fmt::format("{}: {} after {} cycles; alone {} after {}, and it stands {} "
+                                      "rad elsewhere",
+                                      name, here.end, here.cycles, alone.end, alone.cycles, off)};
+}
+
+std::optional<Finding> Repeat(const Cell& cell, const RobotOutcomes& first,
+                              const run::Catalogue& catalogue, const run::RunFiles& files) {
+  auto finding = CompareAgain(first, RunRobots(cell, catalogue, files));
+  if (MayTouch(cell)) return finding;
+  for (const auto& [name, outcome] : first) {
+    if (finding) return finding;
+    const Scenario& robot = std::ranges::find(cell.robots, name, &CellRobot::name)->scenario;
+    // Without its rotors' inertia an arm may swing, and a last digit then grows.
+    if (!robot.plant.armature) continue;
+    finding = CompareAlone(name, outcome, RunOnce(robot, catalogue, files));
+  }
+  return finding;
+}
+
+Outcome Sum(const RobotOutcomes& outcomes) {
+  Outcome sum;
+  WordHash hash;
+  for (const auto& [name, outcome] : outcomes) {
+    if (outcome.finding && !sum.finding) {
+      sum.finding =
+          Finding{outcome.finding->invariant, fmt::format("{}: {}", name, outcome.finding->text)};
+    }
+    if (sum.refusal.empty()) sum.refusal = outcome.refusal;
+    sum.cycles += outcome.cycles;
+    hash.AddWord(outcome.states_hash);
+  }
+  sum.end = fmt::format("of {} robots", outcomes.size());
+  sum.states_hash = hash.value();
+  return sum;
+}
+
+}  // namespace
+
+bool IsCellWorld(std::uint64_t seed) {
+  return seed % 64 == 56;
+}
+
+Cell DrawCellWorld(std::uint64_t seed) {
+  test::Dice dice(~seed);
+  Cell cell;
+  cell.common.name = fmt::format("world_{}", seed);
+  cell.common.description = fmt::format("World {} of the reliability campaign.", seed);
+  cell.common.seed = seed;
+  cell.common.scene = "scenes/floor.xml";
+  cell.common.render.enabled = false;
+  const bool is_close = dice.Chance(0.5);
+  double angle = dice.Between(-std::numbers::pi, std::numbers::pi);
+  const int robots = dice.Whole(2, 3);
+  for (int i = 0; i < robots; ++i) {
+    // Of a world that no campaign comes to.
+    const std::uint64_t own_seed = (std::uint64_t{1} << 40) + 4 * seed + static_cast<unsigned>(i);
+    CellRobot robot{fmt::format("r{}", i), DrawRobot(own_seed), {}};
+    Scenario& own = robot.scenario;
+    own.robot.pose.yaw = dice.Between(-std::numbers::pi, std::numbers::pi);
+    if (i > 0) {
+      const double away = is_close ? dice.Between(0.6, 1.4) : dice.Between(kApart, 2.3);
+      own.robot.pose.position = {away * std::cos(angle), away * std::sin(angle), 0};
+      own.robot.clock_drift_ppm = cell.robots.front().scenario.robot.clock_drift_ppm;
+      angle += dice.Between(1.3, 2);
+    }
+    cell.robots.push_back(std::move(robot));
+  }
+  return cell;
+}
+
+Outcome RunCell(const Cell& cell, const run::Catalogue& catalogue, const run::RunFiles& files,
+                bool repeats) {
+  try {
+    const std::string text = scenario::ToYaml(cell);
+    const Cell read = scenario::ParseCell(text, cell.common.name + ".yaml");
+    const RobotOutcomes outcomes = RunRobots(read, catalogue, files);
+    Outcome sum = Sum(outcomes);
+    if (scenario::ToYaml(read) != text) {
+      sum.finding = Finding{"repeats", "its text, read back, is another cell"};
+    }
+    if (!sum.finding && repeats) sum.finding = Repeat(read, outcomes, catalogue, files);
+    return sum;
+  } catch (const InputError& error) {
+    Outcome refused;
+    refused.refusal = error.what();
+    return refused;
+  }
+}
+
+Cell ShrinkCell(Cell cell, std::string_view invariant, const run::Catalogue& catalogue,
+                const run::RunFiles& files) {
+  const auto try_less = [&](Cell less) {
+    if (scenario::ToYaml(less) == scenario::ToYaml(cell)) return false;
+    const Outcome outcome = RunCell(less, catalogue, files, NeedsRepeats(invariant));
+    if (!outcome.finding || outcome.finding->invariant != invariant) return false;
+    cell = std::move(less);
+    return true;
+  };
+  for (bool smaller = true; smaller;) {
+    smaller = false;
+    for (std::size_t i = 0; i < cell.robots.size(); ++i) {
+      Cell less = cell;
+      less.robots.erase(less.robots.begin() + static_cast<std::ptrdiff_t>(i));
+      if (!less.robots.empty() && try_less(std::move(less))) {
+        smaller = true;
+        break;
+      }
+      for (const Simplification change : Simplifications()) {
+        less = cell;
+        change(less.robots[i].scenario);
+        smaller = try_less(std::move(less)) || smaller;
+      }
+    }
+  }
+  return cell;
+}
+
+}  // namespace twin::campaign
