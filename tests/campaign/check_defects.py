@@ -55,7 +55,6 @@ OTHERS = (
     ("the generator corrects away from the target", "src/reference/reference_generator.cc",
      "lambda_ * (target.q[j] - q_d[j])", "lambda_ * (q_d[j] - target.q[j])"),
     ("rejoining adds the source's acceleration", "src/reference/rejoining_generator.cc", "Scalar(ddq_d[i] - a)", "Scalar(ddq_d[i] + a)"),
-    ("an arm that has gone keeps its torque", "src/plant/engine_world.cc", "  if (presence == Presence::kGone) {", "  if (false) {"),
     ("of several arms only the first is pushed", "src/plant/engine_world.cc",
      "for (EngineArm& arm : arms_) arm.Apply(time(), *model_, *data_);", "arms_.front().Apply(time(), *model_, *data_);"),
     ("a stalled source goes on", "src/reference/resampler.cc",

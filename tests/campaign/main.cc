@@ -49,13 +49,23 @@ struct Options {
   std::filesystem::path models;
 };
 
+/// Worlds that are alike in something.
+struct Worlds {
+  std::uint64_t count = 0;
+  std::uint64_t first = 0;  ///< seed
+
+  void Add(std::uint64_t seed) {
+    if (count++ == 0) first = seed;
+  }
+};
+
 /// Of all worlds, whatever the number of threads.
 struct Totals {
   std::uint64_t cycles = 0;
   std::uint64_t refused = 0;
   WordHash digest;
-  std::map<std::string, std::uint64_t> ends;
-  std::map<std::string, std::uint64_t> refusals;
+  std::map<std::string, Worlds> ends;
+  std::map<std::string, Worlds> refusals;
   std::vector<std::pair<std::uint64_t, Finding>> findings;
 
   void Add(std::uint64_t seed, const Outcome& outcome) {
@@ -63,10 +73,10 @@ struct Totals {
     digest.AddWord(outcome.states_hash);
     if (outcome.finding) findings.emplace_back(seed, *outcome.finding);
     if (outcome.refusal.empty()) {
-      ++ends[outcome.end];
+      ends[outcome.end].Add(seed);
     } else {
       ++refused;
-      ++refusals[outcome.refusal.substr(0, outcome.refusal.find_first_of("0123456789"))];
+      refusals[outcome.refusal.substr(0, outcome.refusal.find_first_of("0123456789"))].Add(seed);
     }
   }
 };
@@ -133,11 +143,13 @@ class Campaign {
         "digest {}\n",
         options_.worlds, options_.seed, static_cast<double>(totals_.cycles) / 3.6e6,
         totals_.refused, totals_.findings.size(), FormatHash(totals_.digest.value()));
-    for (const auto& [end, count] : totals_.ends) fmt::print("  {:7} {}\n", count, end);
-    for (const auto& [why, count] : totals_.refusals) {
-      fmt::print("  {:7} refused: {}\n", count, why);
-    }
+    for (const auto& [end, worlds] : totals_.ends) Print(worlds, end);
+    for (const auto& [why, worlds] : totals_.refusals) Print(worlds, "refused: " + why);
     if (!options_.first) ShrinkFindings();
+  }
+
+  static void Print(const Worlds& worlds, const std::string& what) {
+    fmt::print("  {:7}, first world {}: {}\n", worlds.count, worlds.first, what);
   }
 
   /// At once: what follows may take long.

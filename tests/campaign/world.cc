@@ -83,7 +83,9 @@ void DrawSurroundings(Dice& dice, Scenario& world) {
 }
 
 void DrawPlant(Dice& dice, Scenario& world) {
-  if (dice.Chance(0.5)) {
+  const bool is_ideal = dice.Chance(0.5);
+  // A user's scenario may have what only MuJoCo's plant feels.
+  if (is_ideal && world.perturbations.empty() && world.objects.empty()) {
     world.plant.kind = robot::PlantKind::kIdeal;
     return;
   }
