@@ -17,8 +17,8 @@ install(FILES NOTICE DESTINATION ${TWIN_INSTALL_DOCDIR} RENAME copyright)
 if(TARGET panda-twin)
   install(TARGETS panda-twin RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
-if(TARGET panda-twin-campaign)  # for those who try their own controllers; the tests build it
-  install(TARGETS panda-twin-campaign RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+if(TARGET panda-twin-campaign)  # for those who try their own controllers; built with the tests, not by scripts/demo
+  install(TARGETS panda-twin-campaign RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} OPTIONAL)
 endif()
 
 # The package: find_package(panda_twin) gives twin::core, twin::rt and so on.
