@@ -13,8 +13,8 @@ namespace twin::campaign {
 [[nodiscard]] bool IsCellWorld(std::uint64_t seed);
 
 /// That world: two or three robots in one scene, each with what any world has (DrawWorld) but a
-/// mobile base, objects and a tilted floor. In every other world they stand so close that they may
-/// touch; in the others so far apart that they cannot, though they share a model.
+/// mobile base, objects and a tilted floor. In half of these worlds they stand so close that they
+/// may touch; in the others so far apart that they cannot, though they share a model.
 [[nodiscard]] scenario::Cell DrawCellWorld(std::uint64_t seed);
 
 /// Runs a cell from its text, as `panda-twin run` does, and watches each robot as RunOnce does.

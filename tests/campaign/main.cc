@@ -34,7 +34,9 @@ namespace {
 
 constexpr int kExitFinding = 1;
 constexpr int kExitUsage = 3;
-constexpr std::uint64_t kPerBatch = 256;
+/// Worlds that are told of together. The last of a batch keeps one thread busy and the others idle.
+constexpr std::uint64_t kPerBatch = 1024;
+constexpr std::uint64_t kPerBatchToFirst = 64;
 constexpr std::size_t kMostShrunk = 5;
 
 struct Options {
@@ -96,8 +98,9 @@ class Campaign {
       return 0;
     }
     run::WorkPool pool(options_.threads);
-    for (std::uint64_t done = 0; done < options_.worlds; done += kPerBatch) {
-      std::vector<Outcome> outcomes(std::min(kPerBatch, options_.worlds - done));
+    const std::uint64_t per_batch = options_.first ? kPerBatchToFirst : kPerBatch;
+    for (std::uint64_t done = 0; done < options_.worlds; done += per_batch) {
+      std::vector<Outcome> outcomes(std::min(per_batch, options_.worlds - done));
       pool.ForEach(outcomes.size(), [&](std::size_t i) {
         const std::uint64_t seed = options_.seed + done + i;
         const bool repeats = options_.repeat_every != 0 && seed % options_.repeat_every == 0;
