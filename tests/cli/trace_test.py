@@ -9,6 +9,7 @@ import os
 import pathlib
 import shutil
 import signal
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -107,9 +108,12 @@ class TraceTest(unittest.TestCase):
         compared = figures.compare(motion, figures.read_ticks(self.out, PROGRAM))
         self.assertGreater(len(compared.excess), 100)  # of a motion of 1 s: this machine decides how many cycles are served
         # The log's readings of the clock are outside the trace's, whatever interrupts the thread between them. That makes a few
-        # differ, and the latest may be among those.
+        # differ, and the latest may be among those: as many more as reads and writes of the same trace were interrupted.
         self.assertGreaterEqual(min(compared.excess.values()), 0)
-        self.assertLess(len(compared.commands_apart()), 0.02 * len(compared.excess), done.stdout)
+        interrupted = sum(took > statistics.median(takes) + figures.TOLERANCE_NS
+                          for takes in ([c.read - c.look for c in motion.commands], [c.end - c.begin for c in motion.commands])
+                          for took in takes)
+        self.assertLess(len(compared.commands_apart()), 0.02 * len(compared.excess) + interrupted, done.stdout)
         self.assertNotIn("median", compared.apart(), done.stdout)
         self.assertEqual(done.returncode, 1 if compared.apart() else 0, done.stdout + done.stderr)
         self.assertIn("no event lost", done.stdout)
