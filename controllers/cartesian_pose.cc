@@ -14,9 +14,9 @@ namespace {
 constexpr double kArrived = 1e-5;      // m and rad
 constexpr double kLimitMargin = 0.01;  // rad
 
-/// The way on which a joint of velocity dq comes to rest within its limits, with the direction of
-/// dq, rad: it brakes at A after A/J, and ends as it began; a little more for dq < A^2/J.
-double StoppingWay(double dq, double A, double J) {
+/// Stopping distance of a joint from velocity dq, with the sign of dq, rad: the deceleration rises
+/// to A and falls to zero at jerk J. An upper bound where |dq| < A^2/J.
+double StoppingDistance(double dq, double A, double J) noexcept {
   return dq / 2 * (std::abs(dq) / A + A / J);
 }
 
@@ -83,7 +83,7 @@ void CartesianPoseController::Step(Duration from, Duration to) noexcept {
   for (std::size_t j = 0; j < kJoints; ++j) {
     q[j] += dq[j] * ToSeconds(to - from);
     if (!(std::abs(dq[j]) <= limits_.dq_max[j])) return Fail(Failure::kVelocity, j, dq[j], to);
-    const double at_rest = q[j] + StoppingWay(dq[j], limits_.ddq_max[j], limits_.dddq_max[j]);
+    const double at_rest = q[j] + StoppingDistance(dq[j], limits_.ddq_max[j], limits_.dddq_max[j]);
     if (!IsInRange(j, q[j])) return Fail(Failure::kPosition, j, q[j], to);
     if (!IsInRange(j, at_rest)) return Fail(Failure::kPosition, j, at_rest, to);
   }

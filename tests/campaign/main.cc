@@ -34,9 +34,9 @@ namespace {
 
 constexpr int kExitFinding = 1;
 constexpr int kExitUsage = 3;
-/// Worlds that are told of together. The last of a batch keeps one thread busy and the others idle.
+/// Worlds whose outcomes are reported together. Threads wait for the last world of a batch.
 constexpr std::uint64_t kPerBatch = 1024;
-constexpr std::uint64_t kPerBatchToFirst = 64;
+constexpr std::uint64_t kPerBatchToFirst = 64;  ///< with --first
 constexpr std::size_t kMostShrunk = 5;
 
 struct Options {
