@@ -57,6 +57,7 @@ OTHERS = (
     ("rejoining adds the source's acceleration", "src/reference/rejoining_generator.cc", "Scalar(ddq_d[i] - a)", "Scalar(ddq_d[i] + a)"),
     ("of several arms only the first is pushed", "src/plant/engine_world.cc",
      "for (EngineArm& arm : arms_) arm.Apply(time(), *model_, *data_);", "arms_.front().Apply(time(), *model_, *data_);"),
+    ("a step of several arms does not wait for the last", "src/plant/engine_world.cc", "if (here_ < PresentArms()) {", "if (here_ + 1 < PresentArms()) {"),
     ("a stalled source goes on", "src/reference/resampler.cc",
      "if (stopped_ || count_ == 1) return knots_[count_ - 1].x;", "if (count_ == 1) return knots_[count_ - 1].x;"),
     ("the viability filter leaves joint 7 out", "src/reference/viability_filter.cc",
@@ -114,7 +115,7 @@ OPEN = ("rejoining adds the source's acceleration",
 
 def first_finding(program):
     """(seed of the world, name of the invariant); None: no world found anything."""
-    done = subprocess.run([program, "--worlds", str(WORLDS), "--repeat-every", "4", "--first"], capture_output=True, text=True, check=False)
+    done = subprocess.run([program, "--worlds", str(WORLDS), "--repeat-every", "4", "--first", "--patience", "100", "--out", program.parent], capture_output=True, text=True, check=False)
     if done.returncode == 0:
         return None
     found = re.search(r"^world (\d+) violates the invariant ([a-z]+)", done.stdout, re.MULTILINE)

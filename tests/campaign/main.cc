@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -18,12 +19,14 @@
 #include "campaign/application_world.h"
 #include "campaign/cell_world.h"
 #include "campaign/client_world.h"
+#include "campaign/hang_watch.h"
 #include "campaign/trial.h"
 #include "campaign/world.h"
 #include "controllers/registration.h"
 #include "plugins/backends.h"
 #include "twin/core/error.h"
 #include "twin/core/hash.h"
+#include "twin/core/time.h"
 #include "twin/run/result_folder.h"
 #include "twin/run/work_pool.h"
 #include "twin/scenario/data_directory.h"
@@ -44,6 +47,7 @@ struct Options {
   std::uint64_t seed = 1;
   std::uint64_t repeat_every = 8;
   int threads = 2;
+  double patience = 300;  ///< s of the wall clock, for each world
   bool prints = false;
   bool first = false;  ///< ends with the first finding, as it is
   std::filesystem::path around;
@@ -104,6 +108,7 @@ class Campaign {
       pool.ForEach(outcomes.size(), [&](std::size_t i) {
         const std::uint64_t seed = options_.seed + done + i;
         const bool repeats = options_.repeat_every != 0 && seed % options_.repeat_every == 0;
+        const HangWatch::World running(hang_watch_, seed);
         outcomes[i] = Try(seed, repeats);
       });
       for (std::size_t i = 0; i < outcomes.size(); ++i) {
@@ -161,6 +166,22 @@ class Campaign {
     std::fflush(stdout);
   }
 
+  /// Ends the program, since a thread that hangs cannot be ended alone.
+  [[noreturn]] void GiveUp(std::uint64_t seed) const {
+    const std::filesystem::path file = Write(seed, Describe(seed));
+    Tell(seed, {"ends", fmt::format("it still ran after --patience {:g} s; {}", options_.patience,
+                                    file.string())});
+    std::_Exit(kExitFinding);
+  }
+
+  /// @returns the file's path.
+  std::filesystem::path Write(std::uint64_t seed, const std::string& world) const {
+    std::filesystem::create_directories(options_.out);
+    std::filesystem::path file = options_.out / fmt::format("world_{}.yaml", seed);
+    run::WriteWholeFile(file, world);
+    return file;
+  }
+
   /// The first of each invariant.
   void ShrinkFindings() {
     std::vector<std::string_view> done;
@@ -189,9 +210,7 @@ class Campaign {
       text = scenario::ToYaml(small);
       last = RunWorld(small, catalogue_, files_, repeats);
     }
-    std::filesystem::create_directories(options_.out);
-    const std::filesystem::path file = options_.out / fmt::format("world_{}.yaml", seed);
-    run::WriteWholeFile(file, text);
+    const std::filesystem::path file = Write(seed, text);
     fmt::print("world {} shrunk, {}: {}\n", seed, file.string(),
                last.finding ? last.finding->text : "?");
     std::fflush(stdout);
@@ -204,6 +223,8 @@ class Campaign {
   const run::Catalogue catalogue_{backends_, controllers_};
   std::optional<scenario::Scenario> around_;
   Totals totals_;
+  HangWatch hang_watch_{FromSeconds(options_.patience),
+                        [this](std::uint64_t seed) { GiveUp(seed); }};
 };
 
 /// @param given  by the user; empty: beside the installed program, else of the source tree.
@@ -234,6 +255,10 @@ int Main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--threads", options.threads, "So many worlds at once")
       ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  app.add_option("--patience", options.patience,
+                 "End the campaign with a world that takes longer on the wall clock, s; 0: wait")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app.add_option("--out", options.out, "Folder of shrunk scenarios")->capture_default_str();
   app.add_option("--models", options.models, "Folder of models, if not beside the program");

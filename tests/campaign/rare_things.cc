@@ -1,5 +1,6 @@
 #include "campaign/rare_things.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -231,6 +232,23 @@ void DrawSilence(Dice& dice, Scenario& world) {
       {1, dice.Between(0.002, 0.05)}}};
 }
 
+/// As many losses in a row as the filter is made for, again and again, so that some come where the
+/// reference is at a limit.
+void DrawLongestLosses(Scenario& world) {
+  Dice dice(~world.seed);
+  if (!world.tick.viability || !dice.Chance(0.15)) return;
+  const int count = std::min(*world.tick.viability, 19);  // of more the motion ends
+  if (count == 0) return;
+  scenario::ScriptedLoss script;
+  int at = dice.Whole(5, 300);
+  for (int i = dice.Whole(10, 100); i > 0; --i) {
+    script.bursts.push_back({std::chrono::milliseconds(at), static_cast<std::uint64_t>(count)});
+    at += count + dice.Whole(2, 60);
+  }
+  world.link.state.loss = {};
+  world.link.command.loss = {script};
+}
+
 }  // namespace
 
 void DrawRareThings(Dice& dice, Scenario& world, bool all) {
@@ -244,6 +262,7 @@ void DrawRareThings(Dice& dice, Scenario& world, bool all) {
   DrawObject(dice, world);
   DrawSilence(dice, world);
   if (world.robot.model == "panda") DrawPump(dice, world);
+  DrawLongestLosses(world);
 }
 
 }  // namespace twin::campaign

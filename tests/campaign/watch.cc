@@ -19,7 +19,8 @@ namespace twin::campaign {
 namespace {
 
 constexpr int kMillisecondsToRest = 1000;  ///< after an abort
-/// kRestTimeout, and to a stand: an arm without its rotors may be too light to be held.
+/// kRestTimeout, and to a stand: an arm without its rotors may be too light to be held, and one
+/// that has grasped what is fixed, or is wedged by it, may give way.
 constexpr int kMillisecondsToBrakes = 1200;
 constexpr double kRestSpeed = 0.05;        ///< measured, rad/s
 constexpr double kWildShare = 2;           ///< of the velocity limit, that no arm moves at
@@ -30,6 +31,11 @@ constexpr Duration kHandLate = 12 * kCycle;  ///< from when a command is due to 
 constexpr double kHandNear = 1e-3;           ///< m
 /// Lost in a row: after more, libfranka's law may accelerate a joint beyond its limit.
 constexpr std::uint32_t kLimiterLosses = 2;
+
+bool NeedsBrakes(const scenario::Scenario& world) {
+  return !world.plant.armature ||
+         std::ranges::any_of(world.objects, [](const auto& object) { return !object.mass; });
+}
 
 bool IsFinite(const record::TickRecord& tick) {
   const RobotCommand& c = tick.command;
@@ -235,7 +241,7 @@ void Watch::CheckRest(const RobotState& state) {
     since_abort_ = -1;
     return;
   }
-  const int most = world_.plant.armature ? kMillisecondsToRest : kMillisecondsToBrakes;
+  const int most = NeedsBrakes(world_) ? kMillisecondsToBrakes : kMillisecondsToRest;
   if (++since_abort_ != most || is_pushed_) return;
   const auto fastest = std::ranges::max(state.dq, {}, [](double dq) { return std::abs(dq); });
   if (std::abs(fastest) > kRestSpeed) {
