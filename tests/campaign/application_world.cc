@@ -18,15 +18,19 @@ scenario::Scenario DrawApplicationWorld(std::uint64_t seed, const std::filesyste
                                             "plan_and_execute",   "teleoperation"};
   test::Dice dice(~seed);
   const auto which = static_cast<std::size_t>(dice.Whole(0, kApplications.size() - 1));
-  scenario::Scenario world =
-      scenario::Load(models / "applications" / (std::string(kApplications[which]) + ".yaml"));
+  return DrawAround(seed, scenario::Load(models / "applications" /
+                                         (std::string(kApplications[which]) + ".yaml")));
+}
+
+scenario::Scenario DrawAround(std::uint64_t seed, scenario::Scenario world) {
+  test::Dice dice(~seed);
   scenario::Scenario drawn = DrawWorld(seed, &world);
   world.name = drawn.name;
   world.seed = seed;
   world.render.enabled = false;
   // What the arm holds and works on stays.
   if (dice.Chance(0.7)) world.link = drawn.link;
-  if (dice.Chance(0.2)) world.perturbations = drawn.perturbations;
+  if (dice.Chance(0.2) && world.perturbations.empty()) world.perturbations = drawn.perturbations;
   world.robot.clock_drift_ppm = drawn.robot.clock_drift_ppm;
   world.tick.cost = drawn.tick.cost;
   world.controller.clock_drift_ppm = drawn.controller.clock_drift_ppm;

@@ -11,10 +11,14 @@ namespace twin::campaign {
 [[nodiscard]] bool IsApplicationWorld(std::uint64_t seed);
 
 /// That world: one of the applications, teleoperation by a scripted person on a mobile base among
-/// them, with objects, noise and person of another seed, and with the links, clocks, computation
-/// times and pushes that any world has. It may fail, but never in silence.
+/// them.
 /// @param models  the folder of models.
 [[nodiscard]] scenario::Scenario DrawApplicationWorld(std::uint64_t seed,
                                                       const std::filesystem::path& models);
+
+/// An application with objects, noise and person of another seed, and with the links, clocks,
+/// computation times and, if it has none of its own, pushes that any world has. It may fail, but
+/// never in silence.
+[[nodiscard]] scenario::Scenario DrawAround(std::uint64_t seed, scenario::Scenario application);
 
 }  // namespace twin::campaign

@@ -26,6 +26,7 @@
 #include "plugins/backends.h"
 #include "twin/core/error.h"
 #include "twin/core/hash.h"
+#include "twin/core/integer.h"
 #include "twin/core/time.h"
 #include "twin/run/result_folder.h"
 #include "twin/run/work_pool.h"
@@ -101,6 +102,7 @@ class Campaign {
       fmt::print("{}", Describe(options_.seed));
       return 0;
     }
+    run::MakeFolder(options_.out);  // what is found hours later needs it
     run::WorkPool pool(options_.threads);
     const std::uint64_t per_batch = options_.first ? kPerBatchToFirst : kPerBatch;
     for (std::uint64_t done = 0; done < options_.worlds; done += per_batch) {
@@ -118,6 +120,9 @@ class Campaign {
       if (options_.first && !totals_.findings.empty()) break;
     }
     Report();
+    if (totals_.refused == options_.worlds) {
+      throw InputError("no world could run, as told above; so nothing was tried");
+    }
     return totals_.findings.empty() ? 0 : kExitFinding;
   }
 
@@ -141,6 +146,7 @@ class Campaign {
   }
 
   [[nodiscard]] scenario::Scenario Draw(std::uint64_t seed) const {
+    if (around_ && around_->application) return DrawAround(seed, *around_);
     if (!around_ && IsApplicationWorld(seed)) return DrawApplicationWorld(seed, options_.models);
     return DrawWorld(seed, around_ ? &*around_ : nullptr);
   }
@@ -168,15 +174,19 @@ class Campaign {
 
   /// Ends the program, since a thread that hangs cannot be ended alone.
   [[noreturn]] void GiveUp(std::uint64_t seed) const {
-    const std::filesystem::path file = Write(seed, Describe(seed));
-    Tell(seed, {"ends", fmt::format("it still ran after --patience {:g} s; {}", options_.patience,
-                                    file.string())});
+    std::string file;
+    try {
+      file = Write(seed, Describe(seed)).string();
+    } catch (const Error& error) {
+      file = error.what();
+    }
+    Tell(seed, {"ends",
+                fmt::format("it still ran after --patience {:g} s; {}", options_.patience, file)});
     std::_Exit(kExitFinding);
   }
 
   /// @returns the file's path.
   std::filesystem::path Write(std::uint64_t seed, const std::string& world) const {
-    std::filesystem::create_directories(options_.out);
     std::filesystem::path file = options_.out / fmt::format("world_{}.yaml", seed);
     run::WriteWholeFile(file, world);
     return file;
@@ -227,6 +237,15 @@ class Campaign {
                         [this](std::uint64_t seed) { GiveUp(seed); }};
 };
 
+/// CLI11 would take -1 as a large number, and clamp what is too large.
+const CLI::Validator kWhole(
+    [](const std::string& text) {
+      return ParseInteger<std::uint64_t>(text)
+                 ? std::string()
+                 : fmt::format("\"{}\" is not a whole number from 0 to 2^64 - 1", text);
+    },
+    "");
+
 /// @param given  by the user; empty: beside the installed program, else of the source tree.
 std::filesystem::path ModelsOf(const std::filesystem::path& given) {
   try {
@@ -243,22 +262,25 @@ int Main(int argc, char** argv) {
       "Runs the whole stack in seeded random scenarios (worlds), in lockstep, and checks invariants in every cycle. "
       "Exit codes: 0 none; 1 at least one, with the smallest scenario that shows it; 3 a wrong input.",
       "panda-twin-campaign");
-  app.add_option("--worlds", options.worlds, "So many")->capture_default_str();
+  app.add_option("--worlds", options.worlds, "So many")->check(kWhole)->capture_default_str();
   app.add_option("--seed", options.seed, "Number of the first world; the others follow")
+      ->check(kWhole)
       ->capture_default_str();
   app.add_option(
       "--around", options.around,
-      "A scenario with a motion: its robot, motion and controller stay, and links, clocks, plant and pushes are drawn");
+      "A scenario with a motion: its robot, motion and controller stay, and links, clocks, plant and pushes are drawn; "
+      "of an application, links, clocks and pushes");
   app.add_option(
          "--repeat-every", options.repeat_every,
          "Of so many worlds one is run again: from its text, with a log, with another seed; 0: none")
+      ->check(kWhole)
       ->capture_default_str();
   app.add_option("--threads", options.threads, "So many worlds at once")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   app.add_option("--patience", options.patience,
                  "End the campaign with a world that takes longer on the wall clock, s; 0: wait")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::Range(0.0, 1e9))
       ->capture_default_str();
   app.add_option("--out", options.out, "Folder of shrunk scenarios")->capture_default_str();
   app.add_option("--models", options.models, "Folder of models, if not beside the program");
@@ -268,7 +290,18 @@ int Main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
     options.models = ModelsOf(options.models);
-    return Campaign(options).Run();
+    if (options.worlds == 0)
+      throw InputError("--worlds 0: nothing would be tried; give one or more");
+    if (options.worlds - 1 > ~options.seed) {
+      throw InputError(
+          fmt::format("--worlds {} from --seed {} go beyond 2^64 - 1; give a smaller seed",
+                      options.worlds, options.seed));
+    }
+    const int code = Campaign(options).Run();
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+      throw EnvironmentError("standard output cannot be written, so what it shows is not complete");
+    }
+    return code;
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kExitUsage;
   } catch (const Error& error) {

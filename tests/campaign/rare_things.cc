@@ -48,7 +48,9 @@ void DrawArm(Dice& dice, Scenario& world) {
   if (dice.Chance(0.1)) {
     world.plant.arm.torque_delay = std::chrono::microseconds(dice.Whole(0, 5000));
   }
-  if (dice.Chance(0.1)) world.plant.base_tilt = {dice.Between(-0.1, 0.1), dice.Between(-0.1, 0.1)};
+  if (dice.Chance(0.1) && !world.base) {
+    world.plant.base_tilt = {dice.Between(-0.1, 0.1), dice.Between(-0.1, 0.1)};
+  }
 }
 
 /// Someone takes the hand and leads it, and pushes are no longer through a body's centre.
