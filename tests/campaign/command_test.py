@@ -1,0 +1,54 @@
+#!/usr/bin/env python3
+"""What the campaign's command says of worlds that hang and of wrong input: command_test.py PROGRAM."""
+
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+SEED = 7  # of a scenario
+
+
+class CommandTest(unittest.TestCase):
+    program = pathlib.Path()
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def run_program(self, *arguments, stdout=subprocess.PIPE):
+        return subprocess.run([self.program, *map(str, arguments)], cwd=self.folder, stdout=stdout, stderr=subprocess.PIPE, text=True, check=False)
+
+    def test_a_world_that_does_not_end_ends_the_campaign(self):
+        done = self.run_program("--worlds", 1, "--seed", SEED, "--patience", 0.001, "--out", ".")
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertEqual(done.stdout, f"world {SEED} violates the invariant ends: it still ran after --patience 0.001 s; ./world_{SEED}.yaml\n")
+        printed = self.run_program("--seed", SEED, "--print")
+        self.assertEqual((self.folder / f"world_{SEED}.yaml").read_text(), printed.stdout)
+
+    def test_what_tests_nothing_is_refused(self):
+        (self.folder / "file").write_text("")
+        (self.folder / "far.yaml").write_text("name: far\nmotion: {trajectory: {unit: rad, waypoints: [{q: [0, 0, 0, -1, 0, 1, 0]}, {q: [9, 0, 0, -1, 0, 1, 0]}]}}\n")
+        for arguments, said in ((("--seed", -1), '"-1" is not a whole number'),
+                                (("--seed", 2**64), "is not a whole number"),
+                                (("--seed", 2**64 - 1, "--worlds", 2), "beyond 2^64 - 1"),
+                                (("--worlds", 0), "nothing would be tried"),
+                                (("--around", "far.yaml", "--worlds", 3), "no world could run"),
+                                (("--out", "file/folder"), "cannot be made")):
+            with self.subTest(arguments=arguments):
+                done = self.run_program(*arguments)
+                self.assertEqual(done.returncode, 3, done.stdout)
+                self.assertIn(said, done.stderr)
+
+    def test_a_full_disk_behind_stdout_is_no_success(self):
+        with open("/dev/full", "w", encoding="utf-8") as full:
+            done = self.run_program("--worlds", 1, "--seed", SEED, stdout=full)
+        self.assertEqual(done.returncode, 3)
+        self.assertIn("standard output cannot be written", done.stderr)
+
+
+if __name__ == "__main__":
+    CommandTest.program = pathlib.Path(sys.argv.pop(1)).resolve()
+    unittest.main()
