@@ -1,13 +1,22 @@
 #!/usr/bin/env python3
-"""What the campaign's command says of worlds that hang and of wrong input: command_test.py PROGRAM."""
+"""What the campaign's command says of worlds that hang or crash, and of wrong input: command_test.py PROGRAM."""
 
+import os
 import pathlib
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 SEED = 7  # of a scenario
+
+
+def user_s(pid):
+    """Processor time of a process so far, s."""
+    ticks = pathlib.Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[11]
+    return int(ticks) / os.sysconf("SC_CLK_TCK")
 
 
 class CommandTest(unittest.TestCase):
@@ -27,6 +36,14 @@ class CommandTest(unittest.TestCase):
         self.assertEqual(done.stdout, f"world {SEED} violates the invariant ends: it still ran after --patience 0.001 s; ./world_{SEED}.yaml\n")
         printed = self.run_program("--seed", SEED, "--print")
         self.assertEqual((self.folder / f"world_{SEED}.yaml").read_text(), printed.stdout)
+
+    def test_a_crash_tells_its_world(self):
+        with subprocess.Popen([self.program, "--worlds", "1000000", "--threads", "1", "--out", self.folder], stderr=subprocess.PIPE, text=True) as running:
+            while user_s(running.pid) < 1:  # beyond its start
+                time.sleep(0.01)
+            running.send_signal(signal.SIGABRT)
+            self.assertRegex(running.communicate()[1], r"^world (\d+) crashed; it alone: --worlds 1 --seed \1\n$")
+        self.assertEqual(running.returncode, -signal.SIGABRT)
 
     def test_what_tests_nothing_is_refused(self):
         (self.folder / "file").write_text("")

@@ -1,10 +1,47 @@
 #include "campaign/hang_watch.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <chrono>
+#include <csignal>
+#include <optional>
+#include <string_view>
 #include <utility>
 
+#include <fmt/format.h>
+
 namespace twin::campaign {
+namespace {
+
+thread_local std::optional<std::uint64_t> running;
+
+void Print(std::string_view text) noexcept {
+  static_cast<void>(!::write(STDERR_FILENO, text.data(), text.size()));
+}
+
+/// Raises the signal again, for the system's own handling, which ends the program.
+void OnCrash(int signal) {
+  ::raise(signal);  // blocked until this returns
+  if (!running) return;
+  const fmt::format_int seed(*running);
+  Print("world ");
+  Print({seed.data(), seed.size()});
+  Print(" crashed; it alone: --worlds 1 --seed ");
+  Print({seed.data(), seed.size()});
+  Print("\n");
+}
+
+}  // namespace
+
+void TellCrashes() {
+  struct sigaction action {};
+  action.sa_handler = &OnCrash;
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  for (const int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL}) {
+    ::sigaction(signal, &action, nullptr);
+  }
+}
 
 HangWatch::HangWatch(Duration patience, std::function<void(std::uint64_t)> give_up)
     : patience_(patience), give_up_(std::move(give_up)) {
@@ -14,11 +51,13 @@ HangWatch::HangWatch(Duration patience, std::function<void(std::uint64_t)> give_
 }
 
 HangWatch::World::World(HangWatch& watch, std::uint64_t seed) : watch_(watch), seed_(seed) {
+  running = seed_;
   const std::scoped_lock lock(watch_.mutex_);
   watch_.begun_.emplace(seed_, watch_.clock_.Now());
 }
 
 HangWatch::World::~World() {
+  running.reset();
   const std::scoped_lock lock(watch_.mutex_);
   watch_.begun_.erase(seed_);
 }

@@ -297,6 +297,7 @@ int Main(int argc, char** argv) {
           fmt::format("--worlds {} from --seed {} go beyond 2^64 - 1; give a smaller seed",
                       options.worlds, options.seed));
     }
+    TellCrashes();
     const int code = Campaign(options).Run();
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
       throw EnvironmentError("standard output cannot be written, so what it shows is not complete");
