@@ -19,7 +19,6 @@ void ControlTick::Activate(const MotionModes& modes) noexcept {
   modes_ = modes;
   first_id_ = 0;
   open_ = false;
-  finishing_ = false;
   finished_for_ = 0;
 }
 
@@ -79,7 +78,8 @@ const RobotCommand* ControlTick::Answer(const RobotState& state) noexcept {
     record_.command = RobotCommand();
     return nullptr;
   }
-  record_.action = finishing_ ? record::TickAction::kFinished : record::TickAction::kWritten;
+  record_.action = record_.command.motion_generation_finished ? record::TickAction::kFinished
+                                                              : record::TickAction::kWritten;
   return &record_.command;
 }
 
@@ -105,10 +105,8 @@ void ControlTick::Generate(const RobotState& state) noexcept {
   cycles_ = 0;
   fresh_ = false;
   finished_for_ = deposit.finished ? finished_for_ + 1 : 0;
-  finishing_ =
-      !chain_.breach() &&
-      (finishing_ || (deposit.finished && chain_.Arrived(state, finished_for_ > kSourceRests)));
-  record_.command.motion_generation_finished = finishing_;
+  record_.command.motion_generation_finished =
+      !chain_.breach() && deposit.finished && chain_.Arrived(state, finished_for_ > kSourceRests);
 
   record_.deposit_time = deposit.source_time;
   record_.q_ext = chain_.matched().joint.q;

@@ -280,15 +280,10 @@ void Watch::CheckLimiter(const record::TickRecord& tick) {
 }
 
 void Watch::CheckFinish(const record::TickRecord& tick) {
-  const bool is_first = tick.action == record::TickAction::kFinished && !finishes_;
-  if (finishes_ && tick.action == record::TickAction::kWritten) {
-    Note("finish", fmt::format("the command for state {} does not finish, as the one before did",
-                               tick.message_id));
-  }
-  finishes_ = finishes_ || is_first;
+  if (tick.action != record::TickAction::kFinished) return;
   const bool must_rest =
       world_.tick.generator == loop::Generator::kRejoining || world_.tick.viability;
-  if (!is_first || !must_rest || !last_ || last_->state.message_id != tick.message_id) return;
+  if (!must_rest || !last_ || last_->state.message_id != tick.message_id) return;
   const RobotState& state = last_->state;
   for (std::size_t i = 0; i < kJoints; ++i) {
     if (std::abs(state.dq_d[i]) <= kFinishSpeed &&

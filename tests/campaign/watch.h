@@ -94,8 +94,7 @@ class Watch final : public record::RecordSink {
   std::uint64_t skipped_ = 0;  ///< states
   std::uint64_t last_tick_ = 0;
   bool finish_served_ = false;
-  bool finishes_ = false;  ///< the workstation has sent a finished command
-  int since_abort_ = -1;   ///< cycles since a motion was ended by an error; -1: none was
+  int since_abort_ = -1;  ///< cycles since a motion was ended by an error; -1: none was
 };
 
 }  // namespace twin::campaign

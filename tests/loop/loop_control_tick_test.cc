@@ -145,6 +145,28 @@ TEST_F(ControlTickTest, FinishesOnlyWhenTheReferenceHasArrived) {
   EXPECT_EQ(tick.record().action, record::TickAction::kFinished);
 }
 
+TEST_F(ControlTickTest, ALostFinishDoesNotBindTheNextCommand) {
+  config_.limits = test::PandaLimits();
+  config_.viability = 20;
+  q_d_ = {0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854};
+  ControlTick tick(config_, control::CommandInterface::kJointPosition, exchange_);
+  tick.Activate(kPosition);
+  static_cast<void>(Step(tick, true));
+  Put(q_d_, id_, true);
+  const RobotCommand* command = Step(tick, true);
+  ASSERT_NE(command, nullptr);
+  EXPECT_TRUE(command->motion_generation_finished);
+  // Its loss leaves the robot with the acceleration that it had (world 97131 of the campaign).
+  RobotState drifting = State(true);
+  drifting.q_d[1] += 5e-5;
+  drifting.dq_d[1] = 4e-3;
+  drifting.ddq_d[1] = 0.3;
+  command = tick.Tick(drifting, Time(kCycle * static_cast<std::int64_t>(id_)));
+  ASSERT_NE(command, nullptr);
+  EXPECT_FALSE(command->motion_generation_finished);
+  EXPECT_EQ(tick.record().action, record::TickAction::kWritten);
+}
+
 TEST_F(ControlTickTest, RateMatchingKeepsItsPaceOverLostStates) {
   // A source at 250 Hz steps by 4; behind the matcher the target rises by 1 a cycle, whether or not
   // every state arrives.

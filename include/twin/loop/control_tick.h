@@ -35,10 +35,11 @@ namespace twin::loop {
 /// writes the commands of the stop, or none where the robot itself must stop the arm; the record
 /// says kLimited. The drive ends the motion once stopped_by_limit().
 ///
-/// Finish: when a deposit is marked finished, its matched target is at rest and the robot's
-/// reference is within the finish tolerance of this target, all further commands of the motion
-/// carry motion_generation_finished. A source that has finished and still moves, by noise, counts
-/// as at rest after 100 commands while it moves less than the tolerance per cycle.
+/// Finish: a command carries motion_generation_finished if its deposit is marked finished and
+/// CommandChain::Arrived() says so of the answered state. One that is lost binds none of the next:
+/// the robot goes on with its last acceleration meanwhile, and could not stop within its limits. A
+/// source that has finished and still moves, by noise, counts as at rest after 100 commands while
+/// it moves less than the tolerance per cycle.
 ///
 /// Threads: one. Real-time: noexcept, allocates nothing.
 class ControlTick {
@@ -87,7 +88,6 @@ class ControlTick {
   MotionModes modes_;
   std::uint64_t first_id_ = 0;  ///< message_id of the motion's first state; 0 before
   bool open_ = false;
-  bool finishing_ = false;
   std::uint64_t finished_for_ = 0;  ///< commands since the deposits are marked finished
   bool anomalous_ = false;
   std::uint64_t cycles_ = 0;  ///< robot cycles since the last generated command
