@@ -27,6 +27,7 @@ scenario::Scenario DrawAround(std::uint64_t seed, scenario::Scenario world) {
   scenario::Scenario drawn = DrawWorld(seed, &world);
   world.name = drawn.name;
   world.seed = seed;
+  world.drive = drawn.drive;
   world.render.enabled = false;
   // What the arm holds and works on stays.
   if (dice.Chance(0.7)) world.link = drawn.link;

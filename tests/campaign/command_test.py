@@ -42,7 +42,7 @@ class CommandTest(unittest.TestCase):
             while user_s(running.pid) < 1:  # beyond its start
                 time.sleep(0.01)
             running.send_signal(signal.SIGABRT)
-            self.assertRegex(running.communicate()[1], r"^world (\d+) crashed; it alone: --worlds 1 --seed \1\n$")
+            self.assertRegex(running.communicate()[1], r"^world (\d+) crashed; it alone: the same command with --worlds 1 --seed \1\n$")
         self.assertEqual(running.returncode, -signal.SIGABRT)
 
     def test_what_tests_nothing_is_refused(self):
@@ -50,6 +50,7 @@ class CommandTest(unittest.TestCase):
         (self.folder / "far.yaml").write_text("name: far\nmotion: {trajectory: {unit: rad, waypoints: [{q: [0, 0, 0, -1, 0, 1, 0]}, {q: [9, 0, 0, -1, 0, 1, 0]}]}}\n")
         for arguments, said in ((("--seed", -1), '"-1" is not a whole number'),
                                 (("--seed", 2**64), "is not a whole number"),
+                                (("--seed", "010"), "is not a whole number"),
                                 (("--seed", 2**64 - 1, "--worlds", 2), "beyond 2^64 - 1"),
                                 (("--worlds", 0), "nothing would be tried"),
                                 (("--around", "far.yaml", "--worlds", 3), "no world could run"),

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -27,7 +28,7 @@ void OnCrash(int signal) {
   const fmt::format_int seed(*running);
   Print("world ");
   Print({seed.data(), seed.size()});
-  Print(" crashed; it alone: --worlds 1 --seed ");
+  Print(" crashed; it alone: the same command with --worlds 1 --seed ");
   Print({seed.data(), seed.size()});
   Print("\n");
 }
@@ -41,6 +42,10 @@ void TellCrashes() {
   for (const int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL}) {
     ::sigaction(signal, &action, nullptr);
   }
+  // A controller that calls exit() would end the campaign as a success.
+  std::atexit([] {
+    if (running) std::abort();
+  });
 }
 
 HangWatch::HangWatch(Duration patience, std::function<void(std::uint64_t)> give_up)

@@ -47,8 +47,8 @@ class HangWatch {
   std::jthread thread_;                  // last, so that it stops before the rest is destroyed
 };
 
-/// From now on a crash of the program, by a user's controller for example, says on stderr which
-/// HangWatch::World was running on its thread.
+/// From now on a crash of the program, or exit(), by a user's controller for example, says on
+/// stderr which HangWatch::World was running on its thread.
 void TellCrashes();
 
 }  // namespace twin::campaign

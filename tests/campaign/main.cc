@@ -60,9 +60,12 @@ struct Options {
 struct Worlds {
   std::uint64_t count = 0;
   std::uint64_t first = 0;  ///< seed
+  std::string text;         ///< of the first
 
-  void Add(std::uint64_t seed) {
-    if (count++ == 0) first = seed;
+  void Add(std::uint64_t seed, const std::string& of_it) {
+    if (count++ != 0) return;
+    first = seed;
+    text = of_it;
   }
 };
 
@@ -80,10 +83,11 @@ struct Totals {
     digest.AddWord(outcome.states_hash);
     if (outcome.finding) findings.emplace_back(seed, *outcome.finding);
     if (outcome.refusal.empty()) {
-      ends[outcome.end].Add(seed);
+      ends[outcome.end].Add(seed, outcome.end);
     } else {
       ++refused;
-      refusals[outcome.refusal.substr(0, outcome.refusal.find_first_of("0123456789"))].Add(seed);
+      refusals[outcome.refusal.substr(0, outcome.refusal.find_first_of("0123456789"))].Add(
+          seed, "refused: " + outcome.refusal);
     }
   }
 };
@@ -121,7 +125,8 @@ class Campaign {
     }
     Report();
     if (totals_.refused == options_.worlds) {
-      throw InputError("no world could run, as told above; so nothing was tried");
+      throw InputError(
+          "no world could run, for the reasons on standard output; so nothing was tried");
     }
     return totals_.findings.empty() ? 0 : kExitFinding;
   }
@@ -157,13 +162,13 @@ class Campaign {
         "digest {}\n",
         options_.worlds, options_.seed, static_cast<double>(totals_.cycles) / 3.6e6,
         totals_.refused, totals_.findings.size(), FormatHash(totals_.digest.value()));
-    for (const auto& [end, worlds] : totals_.ends) Print(worlds, end);
-    for (const auto& [why, worlds] : totals_.refusals) Print(worlds, "refused: " + why);
+    for (const auto& [end, worlds] : totals_.ends) Print(worlds);
+    for (const auto& [why, worlds] : totals_.refusals) Print(worlds);
     if (!options_.first) ShrinkFindings();
   }
 
-  static void Print(const Worlds& worlds, const std::string& what) {
-    fmt::print("  {:7}, first world {}: {}\n", worlds.count, worlds.first, what);
+  static void Print(const Worlds& worlds) {
+    fmt::print("  {:7}, first world {}: {}\n", worlds.count, worlds.first, worlds.text);
   }
 
   /// At once: what follows may take long.
@@ -237,12 +242,15 @@ class Campaign {
                         [this](std::uint64_t seed) { GiveUp(seed); }};
 };
 
-/// CLI11 would take -1 as a large number, and clamp what is too large.
+/// CLI11 would take -1 as a large number, clamp what is too large, and read 010 as octal.
 const CLI::Validator kWhole(
     [](const std::string& text) {
-      return ParseInteger<std::uint64_t>(text)
+      const bool is_octal = text.size() > 1 && text.front() == '0';
+      return ParseInteger<std::uint64_t>(text) && !is_octal
                  ? std::string()
-                 : fmt::format("\"{}\" is not a whole number from 0 to 2^64 - 1", text);
+                 : fmt::format(
+                       "\"{}\" is not a whole number from 0 to 2^64 - 1, without a leading 0",
+                       text);
     },
     "");
 
@@ -307,8 +315,10 @@ int Main(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : kExitUsage;
   } catch (const Error& error) {
     fmt::print(stderr, "panda-twin-campaign: {}\n", error.what());
-    return kExitUsage;
+  } catch (const std::filesystem::filesystem_error& error) {  // no folder for temporary files
+    fmt::print(stderr, "panda-twin-campaign: {}\n", error.what());
   }
+  return kExitUsage;
 }
 
 }  // namespace

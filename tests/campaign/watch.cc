@@ -105,8 +105,9 @@ backend::Registry Watch::Watched(const backend::Registry& backends) {
     robot_ = test::ToCheck(request.robot);
     backend::Backend* const inner = connection.backend.get();
     // Buttons are pressed inside the robot, where their time is known and their outcome is not; and
-    // the checker takes the measured arm to be where the reference is.
-    if (world_.panel.empty() && world_.plant.kind == robot::PlantKind::kIdeal) {
+    // the checker takes the measured arm to be where the reference is, with the load INT knows.
+    if (world_.panel.empty() && world_.plant.kind == robot::PlantKind::kIdeal &&
+        world_.robot.load == world_.onboard.load) {
       specification_.emplace(*robot_, [inner] { return inner->Describe(); });
     }
     connection.backend = std::make_unique<WatchedBackend>(std::move(connection.backend), *this);

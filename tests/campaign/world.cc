@@ -247,6 +247,7 @@ Scenario DrawWorld(std::uint64_t seed, const Scenario* around) {
   world.description = fmt::format("World {} of the reliability campaign.", seed);
   world.seed = seed;
   world.render.enabled = false;
+  world.drive = scenario::Drive::kLockstep;
   if (around == nullptr) {
     world.scene = "scenes/floor.xml";
     if (dice.Chance(0.3)) world.robot.hand = plant::HandKind::kNone;
