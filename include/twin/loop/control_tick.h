@@ -36,10 +36,10 @@ namespace twin::loop {
 /// says kLimited. The drive ends the motion once stopped_by_limit().
 ///
 /// Finish: a command carries motion_generation_finished if its deposit is marked finished and
-/// CommandChain::Arrived() says so of the answered state. One that is lost binds none of the next:
-/// the robot goes on with its last acceleration meanwhile, and could not stop within its limits. A
-/// source that has finished and still moves, by noise, counts as at rest after 100 commands while
-/// it moves less than the tolerance per cycle.
+/// CommandChain::Arrived() holds in the answered state. Each command is judged anew, because the
+/// robot keeps its last acceleration while commands are lost and may no longer be at rest. A source
+/// that has finished and still moves, by noise, counts as at rest after 100 commands while it moves
+/// less than the tolerance per cycle.
 ///
 /// Threads: one. Real-time: noexcept, allocates nothing.
 class ControlTick {
