@@ -33,9 +33,9 @@ const char* Text(LoopFailure failure) {
   switch (failure) {
     case LoopFailure::kNone: break;
     case LoopFailure::kInvalidCommand:
-      return "the controller gave a target that makes no valid command (not finite, or no "
-             "rotation); the motion was stopped. The log's events of kind evidence are its last "
-             "ticks";
+      return "the controller gave up and does not say why, or gave a target that makes no valid "
+             "command (not finite, or no rotation); the motion was stopped. The log's events of "
+             "kind evidence are its last ticks";
     case LoopFailure::kLimit: break;  // WhyNotEnded() has value and bound
     case LoopFailure::kConnectionLost:
       return "the connection to the robot is gone; see whether the robot (or its server) still "

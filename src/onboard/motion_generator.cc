@@ -96,7 +96,7 @@ Violations MotionGenerator::TakeGoal(const JointVector& q_c, std::uint64_t messa
 }
 
 Violations MotionGenerator::Approach(std::uint64_t message_id) noexcept {
-  return AdvanceJoints(ApproachStep(joints_, goal_, *asynchronous_, limits_.joints), message_id);
+  return AdvanceJoints(ApproachStep(joints_, goal_, *asynchronous_, own_limits()), message_id);
 }
 
 Violations MotionGenerator::CheckStartPosition(const JointVector& q_c,
@@ -213,7 +213,7 @@ void MotionGenerator::StandStill() noexcept {
 void MotionGenerator::Brake() noexcept {
   mode_ = MotionGeneratorMode::kIdle;
   asynchronous_.reset();
-  Lead(StopStep(joints_, limits_.joints));
+  Lead(StopStep(joints_, own_limits()));
 }
 
 void MotionGenerator::TakeOver(const JointVector& q, const JointVector& dq) noexcept {

@@ -20,6 +20,7 @@ void RequireValid(const Setting& setting) {
 void OnboardConfig::Validate() const {
   limits.Validate();
   cartesian.Validate();
+  if (own_limits) own_limits->Validate();
   sensing.Validate();
   guard.Validate();
   for (const Setting& setting :

@@ -27,7 +27,8 @@ GeneratorLimits LimitsOf(const OnboardConfig& config) {
           .start_q_rad = config.start_pose_tolerance_rad,
           .start_translation_m = config.start_translation_tolerance_m,
           .start_rotation_rad = config.start_rotation_tolerance_rad,
-          .start_elbow_rad = config.start_elbow_tolerance_rad};
+          .start_elbow_rad = config.start_elbow_tolerance_rad,
+          .own_joints = config.own_limits};
 }
 
 SensingConfig SensingOf(const OnboardConfig& config) {
@@ -41,7 +42,7 @@ SensingConfig SensingOf(const OnboardConfig& config) {
 /// The stop that INT executes heeds no joint's range, and its guard no more than the stop.
 std::optional<StopProof> GuardOf(const OnboardConfig& config, const Transform& F_T_EE) {
   if (config.guard.empty()) return {};
-  JointLimits joints = config.limits;
+  JointLimits joints = config.own_limits.value_or(config.limits);
   joints.q_min.fill(-std::numeric_limits<double>::infinity());
   joints.q_max.fill(std::numeric_limits<double>::infinity());
   return StopProof(joints, config.guard, {.F_T_EE = F_T_EE, .with_hand = config.guard_has_hand});

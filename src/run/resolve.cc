@@ -29,6 +29,7 @@ void AllowRounding(onboard::OnboardConfig& config) {
     ddp += rounding / (kCycleSeconds * kCycleSeconds);
     dddp += rounding / (kCycleSeconds * kCycleSeconds * kCycleSeconds);
   };
+  config.own_limits = config.limits;
   JointLimits& joints = config.limits;
   for (std::size_t i = 0; i < kJoints; ++i) {
     allow(kJoint, joints.dq_max[i], joints.ddq_max[i], joints.dddq_max[i]);

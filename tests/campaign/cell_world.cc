@@ -9,8 +9,10 @@
 
 #include <fmt/format.h>
 
+#include "campaign/application_world.h"
 #include "campaign/world.h"
 #include "conformance/dice.h"
+#include "twin/application/partners.h"
 #include "twin/core/error.h"
 #include "twin/core/hash.h"
 #include "twin/plant/shared_model.h"
@@ -52,11 +54,15 @@ using RobotOutcomes = std::vector<std::pair<std::string, Outcome>>;
 
 void RunIsland(const run::Island& island, const run::Catalogue& catalogue,
                const run::RunFiles& files, bool may_touch, RobotOutcomes& outcomes) {
+  application::MessageBoard board(island.robots);
   const auto run = [&](std::size_t i, const backend::Registry& backends, Outcome& outcome) {
     run::RunFiles own = files;
     own.neighbours = {island.robots, i};
-    outcome = RunOnce(island.robots[i].scenario,
-                      {backends, catalogue.controllers, catalogue.devices}, own, may_touch);
+    const application::Partners partners(board, i);
+    outcome =
+        RunOnce(island.robots[i].scenario, {backends, catalogue.controllers, catalogue.devices},
+                own, may_touch, &partners);
+    board.End(i, outcome.failure);
   };
   std::deque<Outcome> ends(island.robots.size());
   if (ends.size() == 1) {
@@ -136,12 +142,29 @@ Outcome Sum(const RobotOutcomes& outcomes) {
           Finding{outcome.finding->invariant, fmt::format("{}: {}", name, outcome.finding->text)};
     }
     if (sum.refusal.empty()) sum.refusal = outcome.refusal;
+    if (sum.failure.empty()) sum.failure = outcome.failure;
     sum.cycles += outcome.cycles;
     hash.AddWord(outcome.states_hash);
   }
-  sum.end = fmt::format("of {} robots", outcomes.size());
+  sum.end = fmt::format("of {} robots{}", outcomes.size(),
+                        sum.failure.empty() ? "" : ", failure of a task");
   sum.states_hash = hash.value();
   return sum;
+}
+
+/// The robots that hand a beam over, with links and clocks of their own.
+Cell DrawHandOver(std::uint64_t seed, const std::filesystem::path& models) {
+  Cell cell = scenario::LoadCell(models / "cells/hand_over.yaml");
+  cell.common.name = fmt::format("world_{}", seed);
+  cell.common.seed = seed;
+  cell.common.render.enabled = false;
+  std::uint64_t own_seed = (std::uint64_t{1} << 40) + 4 * seed;
+  for (CellRobot& robot : cell.robots) {
+    robot.scenario = DrawAround(own_seed++, std::move(robot.scenario));
+    robot.scenario.robot.clock_drift_ppm =
+        cell.robots.front().scenario.robot.clock_drift_ppm;  // they share a model
+  }
+  return cell;
 }
 
 }  // namespace
@@ -150,7 +173,8 @@ bool IsCellWorld(std::uint64_t seed) {
   return seed % 64 == 56;
 }
 
-Cell DrawCellWorld(std::uint64_t seed) {
+Cell DrawCellWorld(std::uint64_t seed, const std::filesystem::path& models) {
+  if (seed % 512 == 120) return DrawHandOver(seed, models);
   test::Dice dice(~seed);
   Cell cell;
   cell.common.name = fmt::format("world_{}", seed);

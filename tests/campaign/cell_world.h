@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string_view>
 
 #include "campaign/trial.h"
@@ -14,8 +15,10 @@ namespace twin::campaign {
 
 /// That world: two or three robots in one scene, each with what any world has (DrawWorld) but a
 /// mobile base, objects and a tilted floor. In half of these worlds they stand so close that they
-/// may touch; in the others so far apart that they cannot, though they share a model.
-[[nodiscard]] scenario::Cell DrawCellWorld(std::uint64_t seed);
+/// may touch; in the others so far apart that they cannot, though they share a model. One of eight
+/// is of two that hand a beam over, as the program's cell does, with other links and clocks.
+/// @param models  the folder of models.
+[[nodiscard]] scenario::Cell DrawCellWorld(std::uint64_t seed, const std::filesystem::path& models);
 
 /// Runs a cell from its text, as `panda-twin run` does, and watches each robot as RunOnce does.
 /// @param repeats  then also again, which must give the same states, and, where none can touch

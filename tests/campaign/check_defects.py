@@ -104,6 +104,12 @@ OTHERS = (
     ("a grasp of nothing is a success", "src/onboard/gripper.cc",
      "End(InsideBand() ? HandResult::kSuccess : HandResult::kUnsuccessful)", "End(HandResult::kSuccess)"),
     ("a suction of nothing is a success", "src/onboard/vacuum_pump.cc", "End(HandResult::kUnsuccessful);", "End(HandResult::kSuccess);"),
+    ("an FR3's own motions use the limits of commands", "src/onboard/motion_generator.cc",
+     "*asynchronous_, own_limits())", "*asynchronous_, limits_.joints)"),
+    ("a goal beyond a joint's range is taken", "src/onboard/motion_generator.cc",
+     "  if (!found.empty()) return found;\n  goal_ = q_c;", "  goal_ = q_c;"),
+    ("a plan's shortcuts are not checked", "src/planning/shortcuts.cc",
+     "!checker.IsFree(a.q) || !checker.IsFree(a.q, b.q)", "!checker.IsFree(a.q)"),
     ("a motion's start is not noted", "src/server/arm_request_handler.cc", "      in_motion_ = true;\n", ""),
 )
 

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "campaign/goal_world.h"
 #include "campaign/session_world.h"
 #include "conformance/dice.h"
 #include "conformance/motion_course.h"
@@ -120,20 +121,23 @@ Outcome RunStreamWorld(const StreamPlan& plan) {
 }  // namespace
 
 bool IsClientWorld(std::uint64_t seed) {
-  return seed % 16 == 5;
+  return seed % 16 == 5 || IsGoalWorld(seed);
 }
 
-Outcome RunClientWorld(std::uint64_t seed) {
+Outcome RunClientWorld(std::uint64_t seed, const run::Catalogue& catalogue,
+                       const run::RunFiles& files) {
+  if (IsGoalWorld(seed)) return RunGoalWorld(seed, catalogue, files);
   return IsSessionWorld(seed) ? RunSessionWorld(seed) : RunStreamWorld(DrawWirePlan(seed));
 }
 
 std::string DescribeClientWorld(std::uint64_t seed) {
+  if (IsGoalWorld(seed)) return fmt::format("world {}: a client's goals for an FR3\n", seed);
   if (IsSessionWorld(seed)) return fmt::format("world {}: sessions of clients\n", seed);
   return Describe(DrawWirePlan(seed));
 }
 
 std::string ShrinkClientWorld(std::uint64_t seed, std::string_view invariant) {
-  if (IsSessionWorld(seed)) return DescribeClientWorld(seed);
+  if (IsSessionWorld(seed) || IsGoalWorld(seed)) return DescribeClientWorld(seed);
   return Describe(test::Shrink(DrawWirePlan(seed), [&](const StreamPlan& less) {
     const Outcome outcome = RunStreamWorld(less);
     return outcome.finding && outcome.finding->invariant == invariant;

@@ -8,15 +8,16 @@
 namespace twin::campaign {
 
 /// Whether the world of this seed is one of clients of a served robot, instead of a scenario: one
-/// of sixteen.
+/// of sixteen, and those of goal_world.h.
 [[nodiscard]] bool IsClientWorld(std::uint64_t seed);
 
-/// Runs it: a session world (session_world.h), or a command stream of tests/conformance, sound or
-/// hostile, once in process, watched by the second implementation, and once over the wire. What
-/// the motion shows must be the same to the bit.
+/// Runs it: a session world (session_world.h), goals of an FR3 (goal_world.h), or a command stream
+/// of tests/conformance, sound or hostile, once in process, watched by the second implementation,
+/// and once over the wire. What the motion shows must be the same to the bit.
 ///
 /// Threads: any.
-[[nodiscard]] Outcome RunClientWorld(std::uint64_t seed);
+[[nodiscard]] Outcome RunClientWorld(std::uint64_t seed, const run::Catalogue& catalogue,
+                                     const run::RunFiles& files);
 
 /// For people: what its clients do.
 [[nodiscard]] std::string DescribeClientWorld(std::uint64_t seed);

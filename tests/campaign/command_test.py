@@ -53,6 +53,8 @@ class CommandTest(unittest.TestCase):
                                 (("--seed", "010"), "is not a whole number"),
                                 (("--seed", 2**64 - 1, "--worlds", 2), "beyond 2^64 - 1"),
                                 (("--worlds", 0), "nothing would be tried"),
+                                (("--patience", "nan"), "--patience nan"),
+                                (("--data", "nowhere"), "--data nowhere"),
                                 (("--around", "far.yaml", "--worlds", 3), "no world could run"),
                                 (("--out", "file/folder"), "cannot be made")):
             with self.subTest(arguments=arguments):

@@ -3,8 +3,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <csignal>
+#include <cstddef>
 #include <cstdlib>
 #include <optional>
 #include <string_view>
@@ -16,6 +18,8 @@ namespace twin::campaign {
 namespace {
 
 thread_local std::optional<std::uint64_t> running;
+/// For a crash of a stack that is full.
+thread_local std::array<std::byte, 16384> crash_stack;
 
 void Print(std::string_view text) noexcept {
   static_cast<void>(!::write(STDERR_FILENO, text.data(), text.size()));
@@ -38,7 +42,7 @@ void OnCrash(int signal) {
 void TellCrashes() {
   struct sigaction action {};
   action.sa_handler = &OnCrash;
-  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  action.sa_flags = static_cast<int>(SA_RESETHAND | SA_ONSTACK);
   for (const int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL}) {
     ::sigaction(signal, &action, nullptr);
   }
@@ -57,6 +61,8 @@ HangWatch::HangWatch(Duration patience, std::function<void(std::uint64_t)> give_
 
 HangWatch::World::World(HangWatch& watch, std::uint64_t seed) : watch_(watch), seed_(seed) {
   running = seed_;
+  const stack_t stack{.ss_sp = crash_stack.data(), .ss_flags = 0, .ss_size = crash_stack.size()};
+  ::sigaltstack(&stack, nullptr);
   const std::scoped_lock lock(watch_.mutex_);
   watch_.begun_.emplace(seed_, watch_.clock_.Now());
 }

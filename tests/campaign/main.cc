@@ -2,6 +2,7 @@
 // cycle (README.md beside this file).
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -53,7 +54,7 @@ struct Options {
   bool first = false;  ///< ends with the first finding, as it is
   std::filesystem::path around;
   std::filesystem::path out = "out/campaign";
-  std::filesystem::path models;
+  std::filesystem::path models;  ///< --data
 };
 
 /// Worlds that are alike in something.
@@ -71,6 +72,7 @@ struct Worlds {
 
 /// Of all worlds, whatever the number of threads.
 struct Totals {
+  std::uint64_t worlds = 0;
   std::uint64_t cycles = 0;
   std::uint64_t refused = 0;
   WordHash digest;
@@ -79,6 +81,7 @@ struct Totals {
   std::vector<std::pair<std::uint64_t, Finding>> findings;
 
   void Add(std::uint64_t seed, const Outcome& outcome) {
+    ++worlds;
     cycles += outcome.cycles;
     digest.AddWord(outcome.states_hash);
     if (outcome.finding) findings.emplace_back(seed, *outcome.finding);
@@ -109,22 +112,26 @@ class Campaign {
     run::MakeFolder(options_.out);  // what is found hours later needs it
     run::WorkPool pool(options_.threads);
     const std::uint64_t per_batch = options_.first ? kPerBatchToFirst : kPerBatch;
-    for (std::uint64_t done = 0; done < options_.worlds; done += per_batch) {
+    bool goes_on = true;
+    for (std::uint64_t done = 0; goes_on && done < options_.worlds; done += per_batch) {
       std::vector<Outcome> outcomes(std::min(per_batch, options_.worlds - done));
       pool.ForEach(outcomes.size(), [&](std::size_t i) {
         const std::uint64_t seed = options_.seed + done + i;
         const bool repeats = options_.repeat_every != 0 && seed % options_.repeat_every == 0;
         const HangWatch::World running(hang_watch_, seed);
         outcomes[i] = Try(seed, repeats);
+        // At once, since the campaign may be stopped; but which is the first, the batch tells.
+        if (outcomes[i].finding && !options_.first) Tell(seed, *outcomes[i].finding);
       });
-      for (std::size_t i = 0; i < outcomes.size(); ++i) {
+      for (std::size_t i = 0; goes_on && i < outcomes.size(); ++i) {
         totals_.Add(options_.seed + done + i, outcomes[i]);
-        if (outcomes[i].finding) Tell(options_.seed + done + i, *outcomes[i].finding);
+        if (!outcomes[i].finding || !options_.first) continue;
+        Tell(options_.seed + done + i, *outcomes[i].finding);
+        goes_on = false;
       }
-      if (options_.first && !totals_.findings.empty()) break;
     }
     Report();
-    if (totals_.refused == options_.worlds) {
+    if (totals_.refused == totals_.worlds) {
       throw InputError(
           "no world could run, for the reasons on standard output; so nothing was tried");
     }
@@ -141,12 +148,14 @@ class Campaign {
 
   [[nodiscard]] std::string Describe(std::uint64_t seed) const {
     if (IsOfClients(seed)) return DescribeClientWorld(seed);
-    return IsCell(seed) ? scenario::ToYaml(DrawCellWorld(seed)) : scenario::ToYaml(Draw(seed));
+    return IsCell(seed) ? scenario::ToYaml(DrawCellWorld(seed, options_.models))
+                        : scenario::ToYaml(Draw(seed));
   }
 
   [[nodiscard]] Outcome Try(std::uint64_t seed, bool repeats) const {
-    if (IsOfClients(seed)) return RunClientWorld(seed);
-    if (IsCell(seed)) return RunCell(DrawCellWorld(seed), catalogue_, files_, repeats);
+    if (IsOfClients(seed)) return RunClientWorld(seed, catalogue_, files_);
+    if (IsCell(seed))
+      return RunCell(DrawCellWorld(seed, options_.models), catalogue_, files_, repeats);
     return RunWorld(Draw(seed), catalogue_, files_, repeats);
   }
 
@@ -160,8 +169,8 @@ class Campaign {
     fmt::print(
         "{} worlds from seed {}: {:.3f} h of the robot's time, {} refused, {} violated an invariant; "
         "digest {}\n",
-        options_.worlds, options_.seed, static_cast<double>(totals_.cycles) / 3.6e6,
-        totals_.refused, totals_.findings.size(), FormatHash(totals_.digest.value()));
+        totals_.worlds, options_.seed, static_cast<double>(totals_.cycles) / 3.6e6, totals_.refused,
+        totals_.findings.size(), FormatHash(totals_.digest.value()));
     for (const auto& [end, worlds] : totals_.ends) Print(worlds);
     for (const auto& [why, worlds] : totals_.refusals) Print(worlds);
     if (!options_.first) ShrinkFindings();
@@ -171,7 +180,7 @@ class Campaign {
     fmt::print("  {:7}, first world {}: {}\n", worlds.count, worlds.first, worlds.text);
   }
 
-  /// At once: what follows may take long.
+  /// Threads: any.
   static void Tell(std::uint64_t seed, const Finding& finding) {
     fmt::print("world {} violates the invariant {}: {}\n", seed, finding.invariant, finding.text);
     std::fflush(stdout);
@@ -208,6 +217,13 @@ class Campaign {
     }
   }
 
+  /// What a shrunk world says of itself.
+  [[nodiscard]] std::string Of(std::uint64_t seed, const Finding& finding) const {
+    return fmt::format(
+        "Shrunk from world {} of the reliability campaign{}, which violates the invariant {}.",
+        seed, around_ ? " around " + options_.around.string() : "", finding.invariant);
+  }
+
   void ShrinkFinding(std::uint64_t seed, const Finding& finding) {
     if (IsOfClients(seed)) {
       fmt::print("world {} shrunk: {}", seed, ShrinkClientWorld(seed, finding.invariant));
@@ -217,17 +233,20 @@ class Campaign {
     std::string text;
     Outcome last;
     if (IsCell(seed)) {
-      const auto small = ShrinkCell(DrawCellWorld(seed), finding.invariant, catalogue_, files_);
+      auto small =
+          ShrinkCell(DrawCellWorld(seed, options_.models), finding.invariant, catalogue_, files_);
+      small.common.description = Of(seed, finding);
       text = scenario::ToYaml(small);
       last = RunCell(small, catalogue_, files_, repeats);
     } else {
-      const auto small = Shrink(Draw(seed), finding.invariant, catalogue_, files_);
+      auto small = Shrink(Draw(seed), finding.invariant, catalogue_, files_);
+      small.description = Of(seed, finding);
       text = scenario::ToYaml(small);
       last = RunWorld(small, catalogue_, files_, repeats);
     }
     const std::filesystem::path file = Write(seed, text);
     fmt::print("world {} shrunk, {}: {}\n", seed, file.string(),
-               last.finding ? last.finding->text : "?");
+               last.finding ? last.finding->text : "run once more, it violates nothing");
     std::fflush(stdout);
   }
 
@@ -291,7 +310,7 @@ int Main(int argc, char** argv) {
       ->check(CLI::Range(0.0, 1e9))
       ->capture_default_str();
   app.add_option("--out", options.out, "Folder of shrunk scenarios")->capture_default_str();
-  app.add_option("--models", options.models, "Folder of models, if not beside the program");
+  app.add_option("--data", options.models, "Folder of models, if not beside the program");
   app.add_flag("--first", options.first,
                "End with the first world that violates an invariant, and do not shrink it");
   app.add_flag("--print", options.prints, "Only print the scenario of world --seed");
@@ -305,6 +324,8 @@ int Main(int argc, char** argv) {
           fmt::format("--worlds {} from --seed {} go beyond 2^64 - 1; give a smaller seed",
                       options.worlds, options.seed));
     }
+    if (std::isnan(options.patience))
+      throw InputError("--patience nan: give seconds, or 0 to wait");
     TellCrashes();
     const int code = Campaign(options).Run();
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <variant>
@@ -251,6 +252,28 @@ void DrawLongestLosses(Scenario& world) {
   world.link.command.loss = {script};
 }
 
+/// A motion that is planned around boxes on its way, which it must not touch.
+void DrawPlan(Scenario& world) {
+  Dice dice(~world.seed ^ (std::uint64_t{1} << 50));
+  const bool is_plain = world.motion.interface == CommandInterface::kJointPosition &&
+                        world.motion.poses.empty() && world.controller.type == "joint_trajectory";
+  if (!is_plain || world.base || !world.objects.empty() || !dice.Chance(0.1)) return;
+  world.robot.q_start = kReady;
+  world.motion.waypoints.clear();
+  world.motion.touches.clear();
+  scenario::PlanSection& plan = world.motion.plan.emplace();
+  plan.budget = 20'000;
+  plan.clearance = dice.Between(0.01, 0.05);
+  for (int i = dice.Whole(0, 4); i > 0; --i) {
+    scenario::ObjectSection box{.name = fmt::format("box{}", i)};
+    for (double& side : box.size) side = dice.Between(0.05, 0.3);
+    const double angle = dice.Between(-3, 3);
+    const double away = dice.Between(0.4, 0.9);
+    box.pose.position = {away * std::cos(angle), away * std::sin(angle), dice.Between(0.2, 0.9)};
+    world.objects.push_back(box);
+  }
+}
+
 }  // namespace
 
 void DrawRareThings(Dice& dice, Scenario& world, bool all) {
@@ -265,6 +288,7 @@ void DrawRareThings(Dice& dice, Scenario& world, bool all) {
   DrawSilence(dice, world);
   if (world.robot.model == "panda") DrawPump(dice, world);
   DrawLongestLosses(world);
+  DrawPlan(world);
 }
 
 }  // namespace twin::campaign

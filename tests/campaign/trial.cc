@@ -29,9 +29,10 @@ struct ApplicationEnd {
 
 /// Carries out a world's application.
 ApplicationEnd ExecuteApplication(const scenario::Scenario& world, const run::Catalogue& catalogue,
-                                  const run::RunFiles& files, record::RecordSink* sink) {
+                                  const run::RunFiles& files, record::RecordSink* sink,
+                                  const application::Partners* partners = nullptr) {
   const MonotonicClock clock;  // which only tells how long planning takes
-  application::ApplicationRun run(world, catalogue, files, sink, clock);
+  application::ApplicationRun run(world, catalogue, files, sink, clock, {}, partners);
   const application::TaskResult& task = run.Execute({});
   return {task.task.failure, run.session_result().states_hash};
 }
@@ -108,7 +109,7 @@ void SetPlant(scenario::Scenario& world, robot::PlantKind kind) {
 }  // namespace
 
 Outcome RunOnce(const scenario::Scenario& world, const run::Catalogue& catalogue,
-                const run::RunFiles& files, bool may_touch) {
+                const run::RunFiles& files, bool may_touch, const application::Partners* partners) {
   Outcome outcome;
   Watch watch(world, may_touch);
   const backend::Registry watched = watch.Watched(catalogue.backends);
@@ -116,8 +117,9 @@ Outcome RunOnce(const scenario::Scenario& world, const run::Catalogue& catalogue
     world.Validate();
     const run::Catalogue own{watched, catalogue.controllers, catalogue.devices};
     if (world.application) {
-      const ApplicationEnd end = ExecuteApplication(world, own, files, &watch);
+      const ApplicationEnd end = ExecuteApplication(world, own, files, &watch, partners);
       outcome.finding = watch.finding();
+      outcome.failure = end.failure;
       outcome.end = world.application->type + (end.failure.empty() ? ": success" : ": failure");
       outcome.states_hash = end.states_hash;
     } else {
@@ -132,6 +134,8 @@ Outcome RunOnce(const scenario::Scenario& world, const run::Catalogue& catalogue
     outcome.refusal = error.what();
   } catch (const RobotFault& fault) {
     outcome.refusal = fault.what();
+  } catch (const run::NoPlanError& error) {
+    outcome.refusal = error.what();
   } catch (const std::exception& error) {
     outcome.finding = Finding{"errors", error.what()};
   }

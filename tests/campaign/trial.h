@@ -6,6 +6,7 @@
 #include <string>
 
 #include "campaign/watch.h"
+#include "twin/application/partners.h"
 #include "twin/run/catalogue.h"
 #include "twin/scenario/scenario.h"
 
@@ -24,6 +25,7 @@ struct Outcome {
   std::optional<Finding> finding;  ///< the first violation
   std::string refusal;             ///< why it was no run; empty: it was
   std::string end;                 ///< "success", "aborted: ...", ...
+  std::string failure;             ///< of an application; empty: its task succeeded
   std::uint64_t cycles = 0;
   std::uint64_t states_hash = 0;
   JointVector q{};  ///< measured, at the end
@@ -35,8 +37,10 @@ struct Outcome {
 /// Threads: any; runs share nothing but files.cache.
 ///
 /// @param may_touch  others stand so near that they may push the arm.
+/// @param partners  of an application, as application::ApplicationRun's.
 [[nodiscard]] Outcome RunOnce(const scenario::Scenario& world, const run::Catalogue& catalogue,
-                              const run::RunFiles& files, bool may_touch = false);
+                              const run::RunFiles& files, bool may_touch = false,
+                              const application::Partners* partners = nullptr);
 
 /// The same, and then what must not change its states: its text read back, and run without a watch;
 /// the same text again with a log and a page's feed; and what must: another seed.

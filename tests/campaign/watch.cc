@@ -37,6 +37,17 @@ bool NeedsBrakes(const scenario::Scenario& world) {
          std::ranges::any_of(world.objects, [](const auto& object) { return !object.mass; });
 }
 
+/// A planned motion of an arm that nothing takes off its way, and that INT knows.
+bool MustNotTouch(const scenario::Scenario& world) {
+  const scenario::OnboardSection usual;
+  const scenario::PlantSection& plant = world.plant;
+  return world.motion.plan && world.perturbations.empty() && world.panel.empty() &&
+         world.robot.load == world.onboard.load && world.onboard.K_theta == usual.K_theta &&
+         world.onboard.K_x == usual.K_x && plant.mass_scale == 1 &&
+         plant.base_tilt == scenario::PlantSection().base_tilt &&
+         plant.arm == scenario::PlantSection().arm;
+}
+
 bool IsFinite(const record::TickRecord& tick) {
   const RobotCommand& c = tick.command;
   return twin::IsFinite(tick.q_ext) && twin::IsFinite(tick.dq_ext) && twin::IsFinite(c.q_c) &&
@@ -110,6 +121,7 @@ backend::Registry Watch::Watched(const backend::Registry& backends) {
         world_.robot.load == world_.onboard.load) {
       specification_.emplace(*robot_, [inner] { return inner->Describe(); });
     }
+    if (connection.truth != nullptr && MustNotTouch(world_)) contacts_.emplace(*connection.truth);
     connection.backend = std::make_unique<WatchedBackend>(std::move(connection.backend), *this);
     return connection;
   });
@@ -154,6 +166,7 @@ void Watch::Put(const record::CycleRecord& record) noexcept {
   CheckViability(record);
   CheckRest(state);
   CheckPanel(state);
+  CheckContact(record);
   const bool moved = last_ && last_->state.robot_mode == RobotMode::kMove;
   if (moved && state.robot_mode != RobotMode::kMove) q_d_at_end_ = state.q_d;
   if (!world_.application) messages_.OnCycle(record);
@@ -309,6 +322,15 @@ void Watch::CheckPanel(const RobotState& state) {
   if (!is_pressed || state.robot_mode == RobotMode::kUserStopped) return;
   Note("panel", fmt::format("cycle {}: the user stop is pressed, and the mode is {}",
                             state.message_id, Name(state.robot_mode)));
+}
+
+void Watch::CheckContact(const record::CycleRecord& record) {
+  if (!contacts_ || record.state.robot_mode != RobotMode::kMove || counts_.held > 0) return;
+  contacts_->Look(record.at);
+  if (contacts_->cycles() == 0) return;
+  const plant::ContactPair pair = contacts_->Pairs().front();
+  Note("contact", fmt::format("cycle {}: {} touches {} in a planned motion",
+                              record.state.message_id, pair.a, pair.b));
 }
 
 void Watch::CheckHand(const run::RunResult& result) {

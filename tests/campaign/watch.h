@@ -12,6 +12,7 @@
 #include "campaign/source_watch.h"
 #include "conformance/state_checker.h"
 #include "twin/backend/registry.h"
+#include "twin/plant/contact_watch.h"
 #include "twin/record/cycle_record.h"
 #include "twin/run/result.h"
 #include "twin/scenario/scenario.h"
@@ -73,6 +74,7 @@ class Watch final : public record::RecordSink {
   void CheckLimiter(const record::TickRecord& tick);
   void CheckFinish(const record::TickRecord& tick);
   void CheckPanel(const RobotState& state);
+  void CheckContact(const record::CycleRecord& record);
   void CheckHand(const run::RunResult& result);
   void CheckEnd(const run::RunResult& result);
 
@@ -84,6 +86,7 @@ class Watch final : public record::RecordSink {
   SourceWatch source_;
   std::optional<test::CheckedRobot> robot_;
   std::optional<test::StateChecker> specification_;
+  std::optional<plant::ContactWatch> contacts_;  ///< of a motion that must not touch anything
   std::optional<Finding> finding_;
   std::optional<record::CycleRecord> last_;
   JointVector q_d_at_end_{};  ///< in the state that ended the motion

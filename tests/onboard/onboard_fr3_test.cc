@@ -25,7 +25,10 @@ using test::Fr3Limits;
 
 OnboardConfig Config() {
   OnboardConfig config;
-  config.limits = Fr3Limits();
+  config.limits = config.own_limits.emplace(Fr3Limits());
+  // For the rounding of a client's positions, which INT's own motions do not use.
+  for (double& ddq : config.limits.ddq_max) ddq += 0.24;
+  for (double& dddq : config.limits.dddq_max) dddq += 240;
   config.cartesian = test::PandaCartesianLimits();
   config.has_accelerometers = true;
   return config;

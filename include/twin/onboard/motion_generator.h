@@ -28,6 +28,7 @@ struct GeneratorLimits {
   double start_translation_m = 0.05;
   double start_rotation_rad = 0.1;
   double start_elbow_rad = 0.1;
+  std::optional<JointLimits> own_joints{};  ///< as OnboardConfig::own_limits
 };
 
 /// The reference side of INT: checks commands and forms q_d, dq_d, ddq_d from them.
@@ -126,6 +127,9 @@ class MotionGenerator {
   [[nodiscard]] CartesianReference Still(const CartesianReference& cartesian,
                                          const JointReference& joints) const noexcept;
   void Lead(const JointReference& joints) noexcept;
+  [[nodiscard]] const JointLimits& own_limits() const noexcept {
+    return limits_.own_joints ? *limits_.own_joints : limits_.joints;
+  }
 
   struct Filters {
     reference::LowPass joint_position;

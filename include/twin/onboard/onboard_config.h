@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "twin/core/joint_vector.h"
 #include "twin/core/limits.h"
@@ -14,8 +15,11 @@ namespace twin::onboard {
 /// Configuration of INT, the robot's controller. Defaults are those of the Panda with a Franka
 /// Hand, where published. Limits are robot data and have no default.
 struct OnboardConfig {
-  JointLimits limits;
+  JointLimits limits;  ///< that commands are checked against
   CartesianLimits cartesian;
+  /// The joints' limits in what INT moves by itself (stops, goals); absent: `limits`. Narrower
+  /// where those allow for the rounding of a client's positions.
+  std::optional<JointLimits> own_limits;
   /// The arm's rigid-body model, by which INT reckons gravity, inertia and contacts.
   model::ArmModel arm = model::ArmModel::Panda();
   /// Whether states have accelerometer values (FR3).

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstdint>
+
+#include "campaign/trial.h"
+
+namespace twin::campaign {
+
+/// Whether the world of this seed is a client's of an FR3 that moves to goals.
+[[nodiscard]] bool IsGoalWorld(std::uint64_t seed);
+
+/// Asynchronous motions of an FR3 (FCI protocol 10), whose commands are goals: they come at any
+/// time, answer any state of their motion, are lost, late or doubled on the link, or lie beyond a
+/// joint's range.
+///
+/// Threads: any.
+[[nodiscard]] Outcome RunGoalWorld(std::uint64_t seed, const run::Catalogue& catalogue,
+                                   const run::RunFiles& files);
+
+}  // namespace twin::campaign
