@@ -252,23 +252,38 @@ void DrawLongestLosses(Scenario& world) {
   world.link.command.loss = {script};
 }
 
-/// A motion that is planned around boxes on its way, which it must not touch.
+/// What takes an arm off its way, or INT does not know.
+void TakeDisturbancesAway(Scenario& world) {
+  const scenario::OnboardSection usual;
+  world.plant = {};
+  world.link = {};
+  world.robot.load = world.onboard.load;
+  world.onboard.K_theta = usual.K_theta;
+  world.onboard.K_x = usual.K_x;
+  world.perturbations.clear();
+  world.panel.clear();
+}
+
+/// A motion that is planned around boxes on its way; in most of these worlds it must not touch
+/// them.
 void DrawPlan(Scenario& world) {
   Dice dice(~world.seed ^ (std::uint64_t{1} << 50));
   const bool is_plain = world.motion.interface == CommandInterface::kJointPosition &&
                         world.motion.poses.empty() && world.controller.type == "joint_trajectory";
-  if (!is_plain || world.base || !world.objects.empty() || !dice.Chance(0.1)) return;
+  if (!is_plain || world.base || !world.objects.empty() || !dice.Chance(0.15)) return;
+  world.hand.clear();  // its plan takes the hand to stay as it is
   world.robot.q_start = kReady;
   world.motion.waypoints.clear();
   world.motion.touches.clear();
   scenario::PlanSection& plan = world.motion.plan.emplace();
   plan.budget = 20'000;
   plan.clearance = dice.Between(0.01, 0.05);
-  for (int i = dice.Whole(0, 4); i > 0; --i) {
+  if (dice.Chance(0.7)) TakeDisturbancesAway(world);
+  for (int i = dice.Whole(0, 6); i > 0; --i) {
     scenario::ObjectSection box{.name = fmt::format("box{}", i)};
     for (double& side : box.size) side = dice.Between(0.05, 0.3);
     const double angle = dice.Between(-3, 3);
-    const double away = dice.Between(0.4, 0.9);
+    const double away = dice.Between(0.3, 0.7);
     box.pose.position = {away * std::cos(angle), away * std::sin(angle), dice.Between(0.2, 0.9)};
     world.objects.push_back(box);
   }
