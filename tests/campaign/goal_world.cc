@@ -1,8 +1,8 @@
 #include "campaign/goal_world.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "campaign/rare_things.h"
 #include "campaign/world.h"
 #include "conformance/dice.h"
 #include "conformance/reference_rules.h"
@@ -34,7 +35,8 @@ constexpr double kSlowestPart = 5.0;  ///< s, of a way: its begin and its end
 Scenario DrawFr3(std::uint64_t seed) {
   Scenario world = DrawWorld(seed);
   world.robot.model = "fr3";
-  world.robot.q_start.reset();
+  world.robot.q_start = kReady;
+  world.motion = {};
   world.robot.hand = plant::HandKind::kFrankaHand;
   world.hand.clear();
   world.panel.clear();

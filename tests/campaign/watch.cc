@@ -41,10 +41,9 @@ bool NeedsBrakes(const scenario::Scenario& world) {
 bool MustNotTouch(const scenario::Scenario& world) {
   const scenario::OnboardSection usual;
   const scenario::PlantSection& plant = world.plant;
-  return world.motion.plan && world.perturbations.empty() && world.panel.empty() &&
-         world.robot.load == world.onboard.load && world.onboard.K_theta == usual.K_theta &&
-         world.onboard.K_x == usual.K_x && plant.mass_scale == 1 &&
-         plant.base_tilt == scenario::PlantSection().base_tilt &&
+  return world.motion.plan && world.panel.empty() && world.robot.load == world.onboard.load &&
+         world.onboard.K_theta == usual.K_theta && world.onboard.K_x == usual.K_x &&
+         plant.mass_scale == 1 && plant.base_tilt == scenario::PlantSection().base_tilt &&
          plant.arm == scenario::PlantSection().arm;
 }
 
@@ -121,7 +120,9 @@ backend::Registry Watch::Watched(const backend::Registry& backends) {
         world_.robot.load == world_.onboard.load) {
       specification_.emplace(*robot_, [inner] { return inner->Describe(); });
     }
-    if (connection.truth != nullptr && MustNotTouch(world_)) contacts_.emplace(*connection.truth);
+    if (connection.truth != nullptr && !is_pushed_ && MustNotTouch(world_)) {
+      contacts_.emplace(*connection.truth);
+    }
     connection.backend = std::make_unique<WatchedBackend>(std::move(connection.backend), *this);
     return connection;
   });
