@@ -37,14 +37,17 @@ bool NeedsBrakes(const scenario::Scenario& world) {
          std::ranges::any_of(world.objects, [](const auto& object) { return !object.mass; });
 }
 
-/// A planned motion of an arm that nothing takes off its way, and that INT knows.
+/// A planned motion of an arm that nothing takes off its way, that INT knows, and whose chain does
+/// not lag (as the paper's generator does, the more the smaller lambda is).
 bool MustNotTouch(const scenario::Scenario& world) {
   const scenario::OnboardSection usual;
   const scenario::PlantSection& plant = world.plant;
   return world.motion.plan && world.panel.empty() && world.robot.load == world.onboard.load &&
          world.onboard.K_theta == usual.K_theta && world.onboard.K_x == usual.K_x &&
          plant.mass_scale == 1 && plant.base_tilt == scenario::PlantSection().base_tilt &&
-         plant.arm == scenario::PlantSection().arm;
+         plant.arm == scenario::PlantSection().arm &&
+         world.tick.generator != loop::Generator::kJoint &&
+         world.tick.low_pass_hz == scenario::TickSection().low_pass_hz;
 }
 
 bool IsFinite(const record::TickRecord& tick) {
