@@ -15,8 +15,9 @@ namespace {
 constexpr double kExact = 1e-9;  // rad
 /// The play time differs from the robot's by less, and its rate changes.
 constexpr double kPlayed = 0.02;
-/// Of a source that hardly moves its curve's bends show, rad.
-constexpr double kPlayedLeast = 1e-7;
+/// The curve's bends within a cycle, rad; the mean of the velocities at both ends of a span misses
+/// what grows with the third power of its length.
+constexpr double kBends = 1e-7;
 /// Cycles that the resampler makes up for at once (loop::RejoiningFollower).
 constexpr std::uint64_t kMostCycles = 64;
 
@@ -57,7 +58,8 @@ void SourceWatch::CheckPlayed(const record::TickRecord& tick, std::uint64_t cycl
     const double change = std::abs(tick.dq_ext[i] - last_->dq_ext[i]);
     const double expected = tick.stalled ? 0 : seconds * mean;
     // Noise in two targets bends the curve between them.
-    const double bends = kPlayedLeast + 2 * world_.controller.target_noise;
+    const double bends =
+        kBends * std::pow(static_cast<double>(cycles), 3) + 2 * world_.controller.target_noise;
     const double most =
         tick.stalled ? 0 : 2 * seconds * change + kPlayed * std::abs(expected) + bends;
     if (std::abs(moved - expected) <= most) continue;
