@@ -3,6 +3,7 @@
 
 import os
 import pathlib
+import re
 import signal
 import subprocess
 import sys
@@ -61,6 +62,13 @@ class CommandTest(unittest.TestCase):
                 done = self.run_program(*arguments)
                 self.assertEqual(done.returncode, 3, done.stdout)
                 self.assertIn(said, done.stderr)
+
+    def test_a_world_alone_tells_the_hash_that_run_tells(self):
+        (self.folder / "world.yaml").write_text(self.run_program("--seed", SEED, "--print").stdout)
+        twin = self.program.parents[2] / "panda-twin"
+        run = subprocess.run([twin, "run", "world.yaml", "--out", "out"], cwd=self.folder, capture_output=True, text=True, check=False)
+        hashes = [re.search(r"states hash +([0-9a-f]{16})", text) for text in (self.run_program("--worlds", 1, "--seed", SEED).stdout, run.stdout)]
+        self.assertEqual(hashes[0][1], hashes[1][1])
 
     def test_a_full_disk_behind_stdout_is_no_success(self):
         with open("/dev/full", "w", encoding="utf-8") as full:

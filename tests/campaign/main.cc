@@ -76,6 +76,7 @@ struct Totals {
   std::uint64_t cycles = 0;
   std::uint64_t refused = 0;
   WordHash digest;
+  std::uint64_t states_hash = 0;  ///< of the last world
   std::map<std::string, Worlds> ends;
   std::map<std::string, Worlds> refusals;
   std::vector<std::pair<std::uint64_t, Finding>> findings;
@@ -84,6 +85,7 @@ struct Totals {
     ++worlds;
     cycles += outcome.cycles;
     digest.AddWord(outcome.states_hash);
+    states_hash = outcome.states_hash;
     if (outcome.finding) findings.emplace_back(seed, *outcome.finding);
     if (outcome.refusal.empty()) {
       ends[outcome.end].Add(seed, outcome.end);
@@ -171,6 +173,9 @@ class Campaign {
         "digest {}\n",
         totals_.worlds, options_.seed, static_cast<double>(totals_.cycles) / 3.6e6, totals_.refused,
         totals_.findings.size(), FormatHash(totals_.digest.value()));
+    if (totals_.worlds == 1) {  // as `panda-twin run` prints it
+      fmt::print("  states hash {}\n", FormatHash(totals_.states_hash));
+    }
     for (const auto& [end, worlds] : totals_.ends) Print(worlds);
     for (const auto& [why, worlds] : totals_.refusals) Print(worlds);
     if (!options_.first) ShrinkFindings();
