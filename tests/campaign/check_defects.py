@@ -108,6 +108,8 @@ OTHERS = (
      "*asynchronous_, own_limits())", "*asynchronous_, limits_.joints)"),
     ("a goal beyond a joint's range is taken", "src/onboard/motion_generator.cc",
      "  if (!found.empty()) return found;\n  goal_ = q_c;", "  goal_ = q_c;"),
+    ("the guard looks at commands alone", "src/onboard/onboard_guard.cc",
+     "  if (found.empty()) found = CheckStopOf(next);\n", ""),
     ("a plan takes boxes for half as large", "src/planning/shape_pairs.cc",
      "std::abs(along) - half[k]", "std::abs(along) - half[k] / 2"),
     ("a motion's start is not noted", "src/server/arm_request_handler.cc", "      in_motion_ = true;\n", ""),

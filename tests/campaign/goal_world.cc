@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -17,6 +18,7 @@
 #include "twin/backend/registry.h"
 #include "twin/core/error.h"
 #include "twin/core/hash.h"
+#include "twin/model/lab_limits.h"
 #include "twin/run/robot_config.h"
 #include "twin/scenario/robot_data.h"
 
@@ -26,10 +28,11 @@ namespace {
 using scenario::Scenario;
 using test::Dice;
 
-constexpr double kArrived = 1e-3;     ///< rad
-constexpr double kInRange = 0.02;     ///< rad, from where a joint can no longer move to its end
-constexpr int kStartCycles = 100;     ///< until a motion shows, and until a command has arrived
-constexpr int kBrakeCycles = 1000;    ///< from the largest velocity to rest
+constexpr double kArrived = 1e-3;   ///< rad
+constexpr double kInRange = 0.02;   ///< rad, from where a joint can no longer move to its end
+constexpr int kStartCycles = 100;   ///< until a motion shows, and until a command has arrived
+constexpr int kBrakeCycles = 1000;  ///< from the largest velocity to rest
+constexpr double kNoCap = std::numeric_limits<double>::infinity();
 constexpr double kSlowestPart = 5.0;  ///< s, of a way: its begin and its end
 
 Scenario DrawFr3(std::uint64_t seed) {
@@ -49,13 +52,36 @@ Scenario DrawFr3(std::uint64_t seed) {
   return world;
 }
 
+/// Limits of a lab that INT keeps by itself; most goals lie beyond them, and where the arm begins
+/// does not.
+model::LabLimits DrawGuard(Dice& dice) {
+  model::LabLimits guard;
+  if (!dice.Chance(0.4)) return guard;
+  if (dice.Chance(0.3)) guard.v_max = dice.Between(0.3, 2);
+  if (dice.Chance(0.3)) guard.w_max = dice.Between(0.5, 3);
+  if (dice.Chance(0.3)) guard.dq_max.emplace().fill(dice.Between(0.3, 2.6));
+  if (dice.Chance(0.6)) {
+    const double reach = dice.Between(0.5, 0.9);
+    guard.regions.push_back(
+        {.name = "room",
+         .shape = model::LimitBox{{-reach, -reach, -0.1}, {reach, reach, dice.Between(0.8, 1.2)}}});
+  }
+  if (dice.Chance(0.4)) {
+    guard.regions.push_back(
+        {.name = "wall",
+         .shape = model::HalfSpace{{dice.Between(-1, 1), 1, 0}, dice.Between(0.4, 0.8)}});
+  }
+  return guard;
+}
+
 class GoalWorld final : private rt::EventHandler, private record::RecordSink {
  public:
   GoalWorld(std::uint64_t seed, const run::Catalogue& catalogue, const run::RunFiles& files)
       : dice_(~seed),
         world_(DrawFr3(seed)),
         data_(scenario::LoadRobotData(files.models, world_.robot.model, world_.robot.hand)),
-        config_(run::MakeRobotConfig(world_, data_, files)),
+        guard_(DrawGuard(dice_)),
+        config_(WithGuard(run::MakeRobotConfig(world_, data_, files), guard_)),
         connection_(catalogue.backends.Find("mujoco")(
             {config_, backend::VirtualTime{events_, *this}, this})) {}
 
@@ -75,6 +101,11 @@ class GoalWorld final : private rt::EventHandler, private record::RecordSink {
   }
 
  private:
+  static robot::RobotConfig WithGuard(robot::RobotConfig config, const model::LabLimits& guard) {
+    config.onboard.guard = guard;
+    return config;
+  }
+
   [[nodiscard]] bool IsIdeal() const { return world_.plant.kind == robot::PlantKind::kIdeal; }
   [[nodiscard]] bool Loses() const {
     return world_.link.command.loss != scenario::Loss() ||
@@ -108,6 +139,7 @@ class GoalWorld final : private rt::EventHandler, private record::RecordSink {
       Note("ids", fmt::format("state {} follows state {}", state.message_id, last_.message_id));
     }
     if (record.violated) CheckError(record);
+    CheckGuard(state);
     const bool moves = last_.robot_mode == RobotMode::kMove && state.robot_mode == RobotMode::kMove;
     if (!moves) return;
     if (record.lost_in_row != 0) {
@@ -120,6 +152,28 @@ class GoalWorld final : private rt::EventHandler, private record::RecordSink {
       if (std::abs(state.dq_d[i]) <= dq_most_[i] * (1 + 1e-9)) continue;
       Note("reference", fmt::format("cycle {}: joint {} at {} rad/s, and the client allows {}",
                                     state.message_id, i + 1, state.dq_d[i], dq_most_[i]));
+    }
+  }
+
+  /// Of the reference: commanded, on the way to a stop, and at rest.
+  void CheckGuard(const RobotState& state) {
+    if (guard_.empty()) return;
+    const auto above = [&](std::string_view what, double value, double cap) {
+      if (value <= cap * (1 + 1e-9)) return;
+      Note("guard", fmt::format("cycle {}: {} {}, and the lab allows {}", state.message_id, what,
+                                value, cap));
+    };
+    const model::LimitedArm arm{state.F_T_EE, config_.onboard.guard_has_hand};
+    const auto margin = model::LeastMargin(guard_, arm, model::Configuration(state.q_d));
+    if (margin && margin->margin < -1e-9) {
+      Note("guard",
+           fmt::format("cycle {}: {}", state.message_id, model::Describe(guard_, *margin)));
+    }
+    const Vector6& twist = state.O_dP_EE_d;
+    above("speed", std::hypot(twist[0], twist[1], twist[2]), guard_.v_max.value_or(kNoCap));
+    above("turn", std::hypot(twist[3], twist[4], twist[5]), guard_.w_max.value_or(kNoCap));
+    for (std::size_t i = 0; i < kJoints && guard_.dq_max; ++i) {
+      above(fmt::format("joint {}", i + 1), std::abs(state.dq_d[i]), (*guard_.dq_max)[i]);
     }
   }
 
@@ -285,6 +339,7 @@ class GoalWorld final : private rt::EventHandler, private record::RecordSink {
   Dice dice_;
   const Scenario world_;
   const scenario::RobotData data_;
+  const model::LabLimits guard_;
   const robot::RobotConfig config_;
   rt::EventQueue events_;
   backend::Connection connection_;
