@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -11,6 +10,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "campaign/lab_rules.h"
 #include "campaign/rare_things.h"
 #include "campaign/world.h"
 #include "conformance/dice.h"
@@ -18,7 +18,6 @@
 #include "twin/backend/registry.h"
 #include "twin/core/error.h"
 #include "twin/core/hash.h"
-#include "twin/model/lab_limits.h"
 #include "twin/run/robot_config.h"
 #include "twin/scenario/robot_data.h"
 
@@ -28,11 +27,10 @@ namespace {
 using scenario::Scenario;
 using test::Dice;
 
-constexpr double kArrived = 1e-3;   ///< rad
-constexpr double kInRange = 0.02;   ///< rad, from where a joint can no longer move to its end
-constexpr int kStartCycles = 100;   ///< until a motion shows, and until a command has arrived
-constexpr int kBrakeCycles = 1000;  ///< from the largest velocity to rest
-constexpr double kNoCap = std::numeric_limits<double>::infinity();
+constexpr double kArrived = 1e-3;     ///< rad
+constexpr double kInRange = 0.02;     ///< rad, from where a joint can no longer move to its end
+constexpr int kStartCycles = 100;     ///< until a motion shows, and until a command has arrived
+constexpr int kBrakeCycles = 1000;    ///< from the largest velocity to rest
 constexpr double kSlowestPart = 5.0;  ///< s, of a way: its begin and its end
 
 Scenario DrawFr3(std::uint64_t seed) {
@@ -139,7 +137,7 @@ class GoalWorld final : private rt::EventHandler, private record::RecordSink {
       Note("ids", fmt::format("state {} follows state {}", state.message_id, last_.message_id));
     }
     if (record.violated) CheckError(record);
-    CheckGuard(state);
+    Note("guard", FindBeyondLab(state, guard_, config_.onboard.guard_has_hand));
     const bool moves = last_.robot_mode == RobotMode::kMove && state.robot_mode == RobotMode::kMove;
     if (!moves) return;
     if (record.lost_in_row != 0) {
@@ -152,28 +150,6 @@ class GoalWorld final : private rt::EventHandler, private record::RecordSink {
       if (std::abs(state.dq_d[i]) <= dq_most_[i] * (1 + 1e-9)) continue;
       Note("reference", fmt::format("cycle {}: joint {} at {} rad/s, and the client allows {}",
                                     state.message_id, i + 1, state.dq_d[i], dq_most_[i]));
-    }
-  }
-
-  /// Of the reference: commanded, on the way to a stop, and at rest.
-  void CheckGuard(const RobotState& state) {
-    if (guard_.empty()) return;
-    const auto above = [&](std::string_view what, double value, double cap) {
-      if (value <= cap * (1 + 1e-9)) return;
-      Note("guard", fmt::format("cycle {}: {} {}, and the lab allows {}", state.message_id, what,
-                                value, cap));
-    };
-    const model::LimitedArm arm{state.F_T_EE, config_.onboard.guard_has_hand};
-    const auto margin = model::LeastMargin(guard_, arm, model::Configuration(state.q_d));
-    if (margin && margin->margin < -1e-9) {
-      Note("guard",
-           fmt::format("cycle {}: {}", state.message_id, model::Describe(guard_, *margin)));
-    }
-    const Vector6& twist = state.O_dP_EE_d;
-    above("speed", std::hypot(twist[0], twist[1], twist[2]), guard_.v_max.value_or(kNoCap));
-    above("turn", std::hypot(twist[3], twist[4], twist[5]), guard_.w_max.value_or(kNoCap));
-    for (std::size_t i = 0; i < kJoints && guard_.dq_max; ++i) {
-      above(fmt::format("joint {}", i + 1), std::abs(state.dq_d[i]), (*guard_.dq_max)[i]);
     }
   }
 

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "campaign/lab_rules.h"
 #include "conformance/reference_rules.h"
 #include "conformance/rig.h"
 #include "twin/core/error.h"
@@ -19,8 +20,9 @@ namespace twin::campaign {
 namespace {
 
 constexpr int kMillisecondsToRest = 1000;  ///< after an abort
-/// kRestTimeout, and to a stand: an arm without its rotors may be too light to be held, and one
-/// that has grasped what is fixed, or is wedged by it, may give way.
+/// kRestTimeout, and to a stand, after an abort or after it last rested: an arm without its rotors
+/// may be too light to be held, and one that has grasped what is fixed, or is wedged by it, may
+/// give way.
 constexpr int kMillisecondsToBrakes = 1200;
 constexpr double kRestSpeed = 0.05;        ///< measured, rad/s
 constexpr double kWildShare = 2;           ///< of the velocity limit, that no arm moves at
@@ -37,8 +39,9 @@ bool NeedsBrakes(const scenario::Scenario& world) {
          std::ranges::any_of(world.objects, [](const auto& object) { return !object.mass; });
 }
 
-/// A planned motion of an arm that nothing takes off its way, that INT knows, and whose chain does
-/// not lag (as the paper's generator does, the more the smaller lambda is).
+/// A planned motion of an arm that nothing takes off its way, that INT knows, and whose chain keeps
+/// to its source: the paper's generator and a low-pass filter lag, and a viability filter alone
+/// lets a raw stream swing about it (src/reference/VIABILITY.md).
 bool MustNotTouch(const scenario::Scenario& world) {
   const scenario::OnboardSection usual;
   const scenario::PlantSection& plant = world.plant;
@@ -46,8 +49,14 @@ bool MustNotTouch(const scenario::Scenario& world) {
          world.onboard.K_theta == usual.K_theta && world.onboard.K_x == usual.K_x &&
          plant.mass_scale == 1 && plant.base_tilt == scenario::PlantSection().base_tilt &&
          plant.arm == scenario::PlantSection().arm &&
-         world.tick.generator != loop::Generator::kJoint &&
+         world.tick.generator == loop::Generator::kRejoining &&
          world.tick.low_pass_hz == scenario::TickSection().low_pass_hz;
+}
+
+/// INT's own, between a command of joints and the reference.
+bool HasLowPass(const scenario::Scenario& world) {
+  return world.onboard.filters.joint_position_hz < 1000 ||
+         world.onboard.filters.joint_velocity_hz < 1000;
 }
 
 bool IsFinite(const record::TickRecord& tick) {
@@ -168,6 +177,7 @@ void Watch::Put(const record::CycleRecord& record) noexcept {
   CheckSpecification(record);
   if (last_) CheckReference(last_->state, state, record.violated);
   CheckViability(record);
+  CheckGuard(state);
   CheckRest(state);
   CheckPanel(state);
   CheckContact(record);
@@ -232,9 +242,7 @@ void Watch::CheckReference(const RobotState& before, const RobotState& after, bo
 void Watch::CheckViability(const record::CycleRecord& record) {
   const bool is_joint = world_.motion.interface == control::CommandInterface::kJointPosition ||
                         world_.motion.interface == control::CommandInterface::kJointVelocity;
-  const bool has_low_pass = world_.onboard.filters.joint_position_hz < 1000 ||
-                            world_.onboard.filters.joint_velocity_hz < 1000;
-  if (!world_.tick.viability || !is_joint || has_low_pass) return;
+  if (!world_.tick.viability || !is_joint || HasLowPass(world_)) return;
   // The synchronous loop answers late states.
   if (world_.loop == loop::LoopKind::kSynchronous) return;
   if (!record.violated || static_cast<int>(counts_.longest_loss) > *world_.tick.viability) return;
@@ -251,6 +259,14 @@ void Watch::CheckViability(const record::CycleRecord& record) {
   }
 }
 
+void Watch::CheckGuard(const RobotState& state) {
+  const bool is_joint = world_.motion.interface == control::CommandInterface::kJointPosition ||
+                        world_.motion.interface == control::CommandInterface::kJointVelocity;
+  if (!is_joint || HasLowPass(world_) || counts_.held > 0) return;
+  if (state.robot_mode != RobotMode::kMove) return;
+  Note("guard", FindBeyondLab(state, world_.limits, world_.robot.hand != plant::HandKind::kNone));
+}
+
 void Watch::CheckRest(const RobotState& state) {
   const bool was_moving = last_ && last_->state.robot_mode == RobotMode::kMove;
   if (was_moving && state.robot_mode == RobotMode::kReflex) since_abort_ = 0;
@@ -259,13 +275,15 @@ void Watch::CheckRest(const RobotState& state) {
     since_abort_ = -1;
     return;
   }
-  const int most = NeedsBrakes(world_) ? kMillisecondsToBrakes : kMillisecondsToRest;
-  if (++since_abort_ != most || is_pushed_) return;
+  const bool may_swing = NeedsBrakes(world_);
+  const int most = may_swing ? kMillisecondsToBrakes : kMillisecondsToRest;
   const auto fastest = std::ranges::max(state.dq, {}, [](double dq) { return std::abs(dq); });
-  if (std::abs(fastest) > kRestSpeed) {
-    Note("rest", fmt::format("cycle {}: {} ms after an abort a joint moves at {} rad/s",
-                             state.message_id, most, fastest));
-  }
+  const bool rests = std::abs(fastest) <= kRestSpeed;
+  // What swings may begin to after it has rested.
+  if (may_swing && rests) since_abort_ = 0;
+  if (++since_abort_ != most || is_pushed_ || rests) return;
+  Note("rest", fmt::format("cycle {}: {} ms after an abort a joint moves at {} rad/s",
+                           state.message_id, most, fastest));
 }
 
 void Watch::CheckLimiter(const record::TickRecord& tick) {

@@ -70,6 +70,7 @@ class Watch final : public record::RecordSink {
   void CheckCount(const record::CycleRecord& record);
   void CheckReference(const RobotState& before, const RobotState& after, bool violated);
   void CheckViability(const record::CycleRecord& record);
+  void CheckGuard(const RobotState& state);
   void CheckRest(const RobotState& state);
   void CheckLimiter(const record::TickRecord& tick);
   void CheckFinish(const record::TickRecord& tick);
