@@ -110,6 +110,7 @@ OTHERS = (
      "  if (!found.empty()) return found;\n  goal_ = q_c;", "  goal_ = q_c;"),
     ("the guard looks at commands alone", "src/onboard/onboard_guard.cc",
      "  if (found.empty()) found = CheckStopOf(next);\n", ""),
+    ("the workstation's guard sees nothing", "src/loop/limit_guard.cc", "if (!breach_) breach_ = Check(state, command);", ""),
     ("a plan takes boxes for half as large", "src/planning/shape_pairs.cc",
      "std::abs(along) - half[k]", "std::abs(along) - half[k] / 2"),
     ("a motion's start is not noted", "src/server/arm_request_handler.cc", "      in_motion_ = true;\n", ""),
