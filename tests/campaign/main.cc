@@ -222,8 +222,8 @@ class Campaign {
     }
   }
 
-  /// What a shrunk world says of itself.
-  [[nodiscard]] std::string Of(std::uint64_t seed, const Finding& finding) const {
+  /// In the shrunk scenario itself.
+  [[nodiscard]] std::string DescribeShrunk(std::uint64_t seed, const Finding& finding) const {
     return fmt::format(
         "Shrunk from world {} of the reliability campaign{}, which violates the invariant {}.",
         seed, around_ ? " around " + options_.around.string() : "", finding.invariant);
@@ -240,12 +240,12 @@ class Campaign {
     if (IsCell(seed)) {
       auto small =
           ShrinkCell(DrawCellWorld(seed, options_.models), finding.invariant, catalogue_, files_);
-      small.common.description = Of(seed, finding);
+      small.common.description = DescribeShrunk(seed, finding);
       text = scenario::ToYaml(small);
       last = RunCell(small, catalogue_, files_, repeats);
     } else {
       auto small = Shrink(Draw(seed), finding.invariant, catalogue_, files_);
-      small.description = Of(seed, finding);
+      small.description = DescribeShrunk(seed, finding);
       text = scenario::ToYaml(small);
       last = RunWorld(small, catalogue_, files_, repeats);
     }
