@@ -18,6 +18,7 @@
 #include "twin/backend/registry.h"
 #include "twin/core/error.h"
 #include "twin/core/hash.h"
+#include "twin/onboard/goal_approach.h"
 #include "twin/run/robot_config.h"
 #include "twin/scenario/robot_data.h"
 
@@ -76,6 +77,7 @@ class GoalWorld final : private rt::EventHandler, private record::RecordSink {
  public:
   GoalWorld(std::uint64_t seed, const run::Catalogue& catalogue, const run::RunFiles& files)
       : dice_(~seed),
+        stream_dice_(~seed ^ (std::uint64_t{1} << 51)),
         world_(DrawFr3(seed)),
         data_(scenario::LoadRobotData(files.models, world_.robot.model, world_.robot.hand)),
         guard_(DrawGuard(dice_)),
@@ -136,15 +138,20 @@ class GoalWorld final : private rt::EventHandler, private record::RecordSink {
     if (state.message_id != last_.message_id + 1) {
       Note("ids", fmt::format("state {} follows state {}", state.message_id, last_.message_id));
     }
+    has_losses_ = has_losses_ || record.lost_in_row != 0;
     if (record.violated) CheckError(record);
     Note("guard", FindBeyondLab(state, guard_, config_.onboard.guard_has_hand));
     const bool moves = last_.robot_mode == RobotMode::kMove && state.robot_mode == RobotMode::kMove;
     if (!moves) return;
+    Note("reference", test::FindBrokenDifferences(last_, state));
+    if (!record.violated) {
+      Note("reference", test::FindBeyondLimits(last_, state, config_.onboard.limits));
+    }
+    if (is_stream_) return;
     if (record.lost_in_row != 0) {
       Note("holds", fmt::format("cycle {}: {} lost of a motion to goals", state.message_id,
                                 record.lost_in_row));
     }
-    Note("reference", test::FindBrokenDifferences(last_, state));
     Note("reference", test::FindBeyondLimits(last_, state, data_.limits));
     for (std::size_t i = 0; i < kJoints; ++i) {
       if (std::abs(state.dq_d[i]) <= dq_most_[i] * (1 + 1e-9)) continue;
@@ -155,6 +162,7 @@ class GoalWorld final : private rt::EventHandler, private record::RecordSink {
 
   void CheckError(const record::CycleRecord& record) {
     const RobotError error = record.violation.error;
+    if (has_losses_) return;  // which may end a stream in many ways
     was_refused_ = error == RobotError::kJointMotionGeneratorPositionLimitsViolation;
     if (was_refused_ && is_beyond_) return;
     // Where the arm is and how fast it moves together may end any motion, and so may its body.
@@ -180,14 +188,14 @@ class GoalWorld final : private rt::EventHandler, private record::RecordSink {
   // --- The client
 
   void Move() {
-    MotionModes modes;
-    JointVector& dq_most = modes.asynchronous.emplace();
     for (std::size_t i = 0; i < kJoints; ++i) {
-      dq_most[i] = data_.limits.dq_max[i] * dice_.Between(0.05, 1.2);
+      dq_most_[i] = data_.limits.dq_max[i] * dice_.Between(0.05, 1.2);
     }
-    done_.emplace_back("motion");
-    is_beyond_ = was_refused_ = false;
-    dq_most_ = dq_most;
+    is_stream_ = stream_dice_.Chance(0.3);
+    done_.emplace_back(is_stream_ ? "stream" : "motion");
+    is_beyond_ = was_refused_ = has_losses_ = false;
+    MotionModes modes;
+    if (!is_stream_) modes.asynchronous = dq_most_;
     connection_.backend->Start(modes);
     const bool is_seen = PassUntil(kStartCycles, [&] { return IsMoving(); });
     // An arm that was stopped before it met itself is still where it was.
@@ -196,6 +204,7 @@ class GoalWorld final : private rt::EventHandler, private record::RecordSink {
       return Note("session", "a started motion does not show in a state");
     }
     begun_ = last_.message_id;
+    if (is_stream_) return Stream();
     Pass(dice_.Whole(0, 300));
     for (int goals = dice_.Whole(1, 6); goals > 0 && IsMoving(); --goals) {
       Send(DrawGoal());
@@ -205,6 +214,27 @@ class GoalWorld final : private rt::EventHandler, private record::RecordSink {
     if (IsMoving() && dice_.Chance(0.1)) return GoBeyond();
     if (IsMoving()) return End();
     Recover();
+  }
+
+  /// The client itself makes the way to its goals, by the states that it reads.
+  void Stream() {
+    for (int goals = stream_dice_.Whole(1, 4); goals > 0; --goals) {
+      const JointVector goal = DrawGoal();
+      for (int cycles = stream_dice_.Whole(100, 1500); cycles > 0 && IsMoving(); --cycles) {
+        RobotCommand command;
+        command.message_id = read_.message_id;
+        command.q_c = onboard::ApproachStep({read_.q_d, read_.dq_d, read_.ddq_d, {}}, goal,
+                                            dq_most_, data_.limits)
+                          .q_d;
+        connection_.backend->Write(command);
+        Pass(1);
+      }
+    }
+    if (stream_dice_.Chance(0.5)) connection_.backend->Stop();  // else its silence ends the motion
+    if (!PassUntil(kBrakeCycles, [&] { return last_.robot_mode != RobotMode::kMove; })) {
+      return Note("session", "a stream that ended is still a motion");
+    }
+    if (last_.robot_mode == RobotMode::kReflex) Recover();
   }
 
   [[nodiscard]] bool IsMoving() const { return last_.robot_mode == RobotMode::kMove && !finding_; }
@@ -313,6 +343,7 @@ class GoalWorld final : private rt::EventHandler, private record::RecordSink {
   }
 
   Dice dice_;
+  Dice stream_dice_;  ///< so that motions to goals do not depend on streams
   const Scenario world_;
   const scenario::RobotData data_;
   const model::LabLimits guard_;
@@ -327,6 +358,8 @@ class GoalWorld final : private rt::EventHandler, private record::RecordSink {
   WordHash hash_;
   JointVector dq_most_{};     ///< that the client allows, rad/s
   std::uint64_t begun_ = 0;   ///< id of the motion's first state
+  bool is_stream_ = false;    ///< the motion is not one to goals
+  bool has_losses_ = false;   ///< of commands in this motion
   bool is_beyond_ = false;    ///< the client sent a goal beyond the range
   bool was_refused_ = false;  ///< INT found it
 };

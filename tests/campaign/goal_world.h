@@ -11,7 +11,7 @@ namespace twin::campaign {
 
 /// Asynchronous motions of an FR3 (FCI protocol 10), whose commands are goals: they come at any
 /// time, answer any state of their motion, are lost, late or doubled on the link, or lie beyond a
-/// joint's range.
+/// joint's range; and streams of positions to such goals. Of some robots INT guards a lab's limits.
 ///
 /// Threads: any.
 [[nodiscard]] Outcome RunGoalWorld(std::uint64_t seed, const run::Catalogue& catalogue,
