@@ -144,15 +144,13 @@ class GoalWorld final : private rt::EventHandler, private record::RecordSink {
     const bool moves = last_.robot_mode == RobotMode::kMove && state.robot_mode == RobotMode::kMove;
     if (!moves) return;
     Note("reference", test::FindBrokenDifferences(last_, state));
-    if (!record.violated) {
-      Note("reference", test::FindBeyondLimits(last_, state, config_.onboard.limits));
-    }
+    const JointLimits& limits = is_stream_ ? config_.onboard.limits : data_.limits;
+    Note("reference", test::FindBeyondLimits(last_, state, limits));
     if (is_stream_) return;
     if (record.lost_in_row != 0) {
       Note("holds", fmt::format("cycle {}: {} lost of a motion to goals", state.message_id,
                                 record.lost_in_row));
     }
-    Note("reference", test::FindBeyondLimits(last_, state, data_.limits));
     for (std::size_t i = 0; i < kJoints; ++i) {
       if (std::abs(state.dq_d[i]) <= dq_most_[i] * (1 + 1e-9)) continue;
       Note("reference", fmt::format("cycle {}: joint {} at {} rad/s, and the client allows {}",
