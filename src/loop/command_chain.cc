@@ -123,12 +123,17 @@ bool CommandChain::stopped() const noexcept {
   return guard_ && guard_->done();
 }
 
-bool CommandChain::Arrived(const RobotState& state, bool is_noisy) const noexcept {
+bool CommandChain::Finish(const RobotState& state, bool is_noisy,
+                          RobotCommand& command) const noexcept {
   // The sent command may differ from the requested one: while the filter brakes, the reference may
   // pass its target at speed.
-  if ((rejoining_ || config_.viability) && !Rests(state)) return false;
-  if (rejoining_) return rejoining_->Arrived(state, config_.finish_tolerance_rad, is_noisy);
-  return stages_->Arrived(state, matched_);
+  const bool keeps_limits = rejoining_ || config_.viability;
+  if (keeps_limits && !Rests(state)) return false;
+  const bool arrived = rejoining_
+                           ? rejoining_->Arrived(state, config_.finish_tolerance_rad, is_noisy)
+                           : stages_->Arrived(state, matched_);
+  if (arrived && keeps_limits) stages_->StandStill(state, command);
+  return arrived;
 }
 
 bool IsValid(const RobotCommand& command, CommandInterface interface) noexcept {

@@ -106,7 +106,8 @@ void ControlTick::Generate(const RobotState& state) noexcept {
   fresh_ = false;
   finished_for_ = deposit.finished ? finished_for_ + 1 : 0;
   record_.command.motion_generation_finished =
-      !chain_.breach() && deposit.finished && chain_.Arrived(state, finished_for_ > kSourceRests);
+      !chain_.breach() && deposit.finished &&
+      chain_.Finish(state, finished_for_ > kSourceRests, record_.command);
 
   record_.deposit_time = deposit.source_time;
   record_.q_ext = chain_.matched().joint.q;

@@ -94,6 +94,9 @@ class JointPositionStages final : public JointStages {
     command.q_c = outcome.q_c;
     return ViableOf(state, outcome.active);
   }
+  void StandStill(const RobotState& state, RobotCommand& command) const noexcept override {
+    command.q_c = state.q_d;
+  }
   [[nodiscard]] bool Arrived(const RobotState& state,
                              const Target& matched) const noexcept override {
     return AllZero(matched.joint.dq) &&
@@ -122,6 +125,9 @@ class JointVelocityStages final : public JointStages {
     const auto outcome = viability_->NextVelocity(state.q_d, state.dq_d, state.ddq_d, command.dq_c);
     command.dq_c = outcome.dq_c;
     return ViableOf(state, outcome.active);
+  }
+  void StandStill(const RobotState& /*state*/, RobotCommand& command) const noexcept override {
+    command.dq_c = {};
   }
   [[nodiscard]] bool Arrived(const RobotState& /*state*/,
                              const Target& matched) const noexcept override {
@@ -157,6 +163,9 @@ class PoseStages final : public StagesWith<reference::PoseRateMatcher> {
     command.O_T_EE_c = outcome.O_T_EE_c;
     return {viability_->Margin(state), outcome.active ? kAllJoints : std::uint8_t{0}};
   }
+  void StandStill(const RobotState& state, RobotCommand& command) const noexcept override {
+    command.O_T_EE_c = state.O_T_EE_c;
+  }
   [[nodiscard]] bool Arrived(const RobotState& state,
                              const Target& matched) const noexcept override {
     return AllZero(matched.pose.O_dP_EE) &&
@@ -191,6 +200,8 @@ class TorqueStages final : public StagesWith<reference::TorqueRateMatcher> {
                     RobotCommand& /*command*/) const noexcept override {
     return {};
   }
+  /// A torque motion has no reference.
+  void StandStill(const RobotState& /*state*/, RobotCommand& /*command*/) const noexcept override {}
   [[nodiscard]] bool Arrived(const RobotState& /*state*/,
                              const Target& /*matched*/) const noexcept override {
     return true;

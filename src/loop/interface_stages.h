@@ -39,6 +39,9 @@ class InterfaceStages {
   /// @pre TickConfig::viability.
   virtual Viable KeepViable(const RobotState& state,
                             RobotCommand& command) const noexcept TWIN_REALTIME = 0;
+  /// Has the reference in `state` stand still.
+  virtual void StandStill(const RobotState& state,
+                          RobotCommand& command) const noexcept TWIN_REALTIME = 0;
   /// True when the target is at rest and the robot's reference within the finish tolerance of it.
   [[nodiscard]] virtual bool Arrived(
       const RobotState& state, const reference::Target& matched) const noexcept TWIN_REALTIME = 0;

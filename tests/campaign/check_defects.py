@@ -44,7 +44,7 @@ OTHERS = (
     ("an anomalous state is answered", "src/loop/control_tick.cc", "  if (anomalous_) {", "  if (false) {"),
     ("lost states are no cycles of the chain", "src/loop/control_tick.cc", "cycles_ += record_.skipped_states + 1;", "cycles_ += 1;"),
     ("the last command finishes one tick early", "src/loop/command_chain.cc",
-     "if ((rejoining_ || config_.viability) && !Rests(state)) return false;", ""),
+     "if (keeps_limits && !Rests(state)) return false;", ""),
     ("a stall is noticed one cycle late", "src/loop/command_chain.cc",
      "waited_ = fresh ? 0 : waited_ + cycles;", "waited_ = fresh ? 0 : waited_ + cycles - (waited_ == 0 ? 1 : 0);"),
     ("the controller's clock drifts the other way", "src/loop/wake_grid.cc",

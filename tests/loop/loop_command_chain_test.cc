@@ -188,12 +188,12 @@ TEST(CommandChainTest, ArrivesWhenThePoseIsReachedAtRest) {
   RobotCommand command;
   target.pose.O_T_EE[12] = 0.01;
   chain.Next(state, target, true, 1, {}, command);
-  EXPECT_FALSE(chain.Arrived(state, false));
+  EXPECT_FALSE(chain.Finish(state, false, command));
   state.O_T_EE_c = target.pose.O_T_EE;
-  EXPECT_TRUE(chain.Arrived(state, false));
+  EXPECT_TRUE(chain.Finish(state, false, command));
   target.pose.O_dP_EE[2] = 0.1;
   chain.Next(state, target, true, 1, {}, command);
-  EXPECT_FALSE(chain.Arrived(state, false));
+  EXPECT_FALSE(chain.Finish(state, false, command));
 }
 
 TEST(CommandChainTest, StatesThatCannotBeAnsweredDoNotMoveThePlayTime) {
@@ -238,10 +238,44 @@ TEST(CommandChainTest, ArrivesBehindTheViabilityFilterOnlyAtRest) {
   target.joint.q = state.q_d;
   RobotCommand command;
   chain.Next(state, target, true, 1, {}, command);
-  EXPECT_TRUE(chain.Arrived(state, false));
+  EXPECT_TRUE(chain.Finish(state, false, command));
   state.dq_d[0] = 0.5;  // it passes its target
   chain.Next(state, target, true, 1, {}, command);
-  EXPECT_FALSE(chain.Arrived(state, false));
+  EXPECT_FALSE(chain.Finish(state, false, command));
+}
+
+/// The command that finishes a motion 50 urad from its target, behind the viability filter.
+RobotCommand FinishingCommand(CommandInterface interface, const RobotState& state) {
+  TickConfig config = Raw();
+  config.viability = 22;
+  config.limits = test::PandaLimits();
+  config.cartesian = test::PandaCartesianLimits();
+  CommandChain chain(config, interface);
+  chain.Reset(state);
+  Target target;
+  target.joint.q = state.q_d;
+  target.joint.q[1] -= 5e-5;
+  target.pose.O_T_EE = state.O_T_EE_c;
+  target.pose.O_T_EE[12] += 5e-5;
+  RobotCommand command;
+  for (int i = 0; i < 100; ++i) chain.Next(state, target, true, 1, {}, command);
+  EXPECT_TRUE(chain.Finish(state, false, command));
+  return command;
+}
+
+TEST(CommandChainTest, TheLastCommandLetsTheReferenceStandStill) {
+  // From the filter's step towards the target a stop at once needs more than the limit of jerk
+  // (world 167652 of the campaign).
+  RobotState state;
+  state.q_d = {0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854};
+  state.dq_d[1] = -8e-4;
+  state.ddq_d[1] = -0.6;
+  EXPECT_EQ(FinishingCommand(CommandInterface::kJointPosition, state).q_c, state.q_d);
+  EXPECT_EQ(FinishingCommand(CommandInterface::kJointVelocity, state).dq_c, JointVector{});
+  state.dq_d = state.ddq_d = {};
+  state.O_dP_EE_c[0] = 8e-4;
+  state.O_ddP_EE_c[0] = 0.6;
+  EXPECT_EQ(FinishingCommand(CommandInterface::kCartesianPose, state).O_T_EE_c, state.O_T_EE_c);
 }
 
 TEST(CommandChainTest, RefusesAGeneratorOfAnotherInterface) {

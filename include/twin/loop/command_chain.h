@@ -69,10 +69,14 @@ class CommandChain {
   /// True when the motion is to end after a breach: the commanded stop rests, or !sends().
   [[nodiscard]] bool stopped() const noexcept;
 
-  /// True when the matched target is at rest and the robot's reference is within the finish
-  /// tolerance of this target; with a viability filter or saturated correction, the reference must
-  /// also be nearly at rest. @param is_noisy  as RejoiningFollower::Arrived.
-  [[nodiscard]] bool Arrived(const RobotState& state, bool is_noisy) const noexcept TWIN_REALTIME;
+  /// True when `command` of the last Next() may end the motion: the matched target is at rest and
+  /// the robot's reference within the finish tolerance of this target. With a viability filter or
+  /// saturated correction, the reference must also be nearly at rest, and the command then lets it
+  /// stand still: from the step of a noisy source the robot could not, at once and within its
+  /// limits.
+  /// @param is_noisy  as RejoiningFollower::Arrived.
+  [[nodiscard]] bool Finish(const RobotState& state, bool is_noisy,
+                            RobotCommand& command) const noexcept TWIN_REALTIME;
 
  private:
   void MatchAndDecay(const reference::Target& target, std::uint64_t cycles) noexcept;

@@ -36,7 +36,7 @@ namespace twin::loop {
 /// says kLimited. The drive ends the motion once stopped_by_limit().
 ///
 /// Finish: a command carries motion_generation_finished if its deposit is marked finished and
-/// CommandChain::Arrived() holds in the answered state. Each command is judged anew, because the
+/// CommandChain::Finish() holds in the answered state. Each command is judged anew, because the
 /// robot keeps its last acceleration while commands are lost and may no longer be at rest. A source
 /// that has finished and still moves, by noise, counts as at rest after 100 commands while it moves
 /// less than the tolerance per cycle.
