@@ -20,6 +20,14 @@ void RequireGenerator(Generator generator, CommandInterface interface) {
                   misfit));
 }
 
+void RequireWholeSteps(const TickConfig& config) {
+  if (config.generator != Generator::kRejoining || config.low_pass_hz >= TickConfig().low_pass_hz)
+    return;
+  throw InputError(
+      "tick.low_pass: behind tick.generator: rejoining, which brakes and accelerates by the steps "
+      "that it weakens, the arm would creep; say off, or another generator");
+}
+
 void RequireMotion(CommandInterface interface) {
   if (interface != CommandInterface::kTorque) return;
   throw InputError(
@@ -49,6 +57,7 @@ void TickConfig::Validate(CommandInterface interface) const {
   RequireInRange("tick: period_tolerance (us)", ToSeconds(period_tolerance) * 1e6, 0, 1000);
   RequireInRange("tick: low_pass_hz", low_pass_hz, 1, 1000);
   RequireGenerator(generator, interface);
+  RequireWholeSteps(*this);
   if (viability) RequireMotion(interface);
   RequireInRange("tick: stall_time (ms)", ToSeconds(stall_time) * 1e3, 1, 10000);
   if (!viability && !lab && generator != Generator::kRejoining) return;

@@ -176,6 +176,12 @@ scenario::RobotData RequireNames(const scenario::Scenario& scenario, const Catal
 
 }  // namespace
 
+bool HasLowPass(const scenario::Scenario& scenario) {
+  const setting::Filters& filters = scenario.onboard.filters;
+  return scenario.tick.low_pass_hz < loop::TickConfig().low_pass_hz ||
+         filters != setting::Filters{.controller_hz = filters.controller_hz};
+}
+
 loop::TickConfig MakeTick(const scenario::Scenario& scenario, const scenario::RobotData& robot) {
   const scenario::TickSection& tick = scenario.tick;
   loop::TickConfig config;
@@ -195,6 +201,12 @@ loop::TickConfig MakeTick(const scenario::Scenario& scenario, const scenario::Ro
   config.cartesian = robot.cartesian;
   config.cost = tick.cost.Model();
   config.Validate(scenario.motion.interface);
+  if (tick.generator == loop::Generator::kRejoining && HasLowPass(scenario)) {
+    throw InputError(
+        "onboard.filters: behind tick.generator: rejoining, which brakes and accelerates by the "
+        "steps that the robot's low-passes weaken, the arm would creep; leave them out, or say "
+        "tick.generator: none");
+  }
   return config;
 }
 
@@ -321,6 +333,7 @@ RobotPlan MakeRobotPlan(const scenario::Scenario& scenario, const Catalogue& cat
   scenario.Validate();
   scenario::RobotData robot = RequireNames(scenario, catalogue, files);
   robot::RobotConfig config = MakeRobotConfig(scenario, robot, files);
+  (void)MakeTick(scenario, robot);  // refuses before anything moves
   return {std::move(robot), std::move(config)};
 }
 
@@ -331,6 +344,7 @@ Plan MakePlan(const scenario::Scenario& scenario, const Catalogue& catalogue,
     throw InputError("application: it makes motions of its own, and is no single run");
   }
   scenario::RobotData robot = RequireNames(scenario, catalogue, files);
+  (void)MakeTick(scenario, robot);  // refuses before a long search
   std::optional<planning::PlanStatistics> planning;
   reference::Trajectory trajectory =
       scenario.motion.plan

@@ -73,7 +73,11 @@ void RequireStartWithinLimits(const scenario::Scenario& scenario, const scenario
 /// what a client library does for a torque loop.
 [[nodiscard]] MotionModes ModesOf(const scenario::MotionSection& motion);
 
-/// @throws InputError as TickConfig::Validate.
+/// True when the client library or INT smooths the commands of motions, so that a generator's steps
+/// arrive weakened.
+[[nodiscard]] bool HasLowPass(const scenario::Scenario& scenario);
+
+/// @throws InputError as TickConfig::Validate; when the generator is rejoining and HasLowPass().
 [[nodiscard]] loop::TickConfig MakeTick(const scenario::Scenario& scenario,
                                         const scenario::RobotData& robot);
 

@@ -324,7 +324,8 @@ Motion MotionOn(const scenario::Scenario& scenario, std::string name,
     motion.tick.generator = loop::Generator::kNone;
     motion.tick.viability.reset();
   } else if (!loop::Misfit(motion.tick.generator, interface).empty()) {
-    motion.tick.generator = loop::Generator::kRejoining;
+    motion.tick.generator =
+        HasLowPass(scenario) ? loop::Generator::kNone : loop::Generator::kRejoining;
   }
   motion.controller.type = interface == control::CommandInterface::kTorque
                                ? "joint_trajectory_effort"

@@ -346,7 +346,7 @@ void Describe(Map& map, OnboardSection& onboard) {
   map.Add("NE_T_EE", SectionOf(onboard.NE_T_EE), "End effector in the nominal one.");
   map.Add("guiding_mode", SectionOf(onboard.guiding_mode), "What can be led while guiding.");
   map.Add("filters", SectionOf(onboard.filters),
-          "Cut-off frequencies of the robot's low-passes; with them say tick.generator: none.");
+          "Cut-off frequencies of the robot's low-passes; only controller goes with rejoining.");
   map.Add("damping_ratio", Number(onboard.damping_ratio, 1e-3, 2),
           "Damping ratio of both impedances.");
   map.Add("abort_after_lost", Integer(onboard.abort_after_lost, 1, 1'000'000),

@@ -57,8 +57,10 @@ void DescribeTick(Map& map, Scenario& scenario) {
   map.Add("stall_time",
           TimeSpan(tick.stall_time, std::chrono::milliseconds(1), std::chrono::seconds(10)),
           "Without a new target for so long, and three periods, the controller counts as stalled.");
-  map.Add("low_pass", Cutoff(tick.low_pass_hz),
-          "Cut-off of the client library's low-pass on the command; scales a generator's steps.");
+  map.Add(
+      "low_pass", Cutoff(tick.low_pass_hz),
+      "Cut-off of the client library's low-pass on the command; scales a generator's steps; not "
+      "with rejoining.");
   map.Add("limiter", Bool(tick.limiter),
           "The client library's rate limiter on the command; true on torques.");
   const auto lost = [](int& count) { return Integer(count, 0, reference::ViableAxis::kMostLost); };

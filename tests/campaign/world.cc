@@ -261,6 +261,10 @@ Scenario DrawWorld(std::uint64_t seed, const Scenario* around) {
   DrawSurroundings(dice, world);
   DrawPushes(dice, world);
   DrawRareThings(dice, world, around == nullptr);
+  if (around == nullptr && world.tick.generator == loop::Generator::kRejoining) {  // takes no other
+    world.tick.low_pass_hz = scenario::TickSection().low_pass_hz;
+    world.onboard.filters = {.controller_hz = world.onboard.filters.controller_hz};
+  }
   return world;
 }
 

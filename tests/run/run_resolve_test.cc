@@ -149,6 +149,21 @@ TEST_F(PlanTest, TellsTheControllersLoopAllTheScenarioSays) {
   EXPECT_EQ(config.cost.Draw(Random(1, RandomStream::kTest), 1), 100us);
 }
 
+TEST_F(PlanTest, RefusesRejoiningBehindALowPass) {
+  // The arm would creep with a hundredth of its speed, along another path than planned (world
+  // 174617 of the campaign).
+  scenario::Scenario scenario = Full();
+  scenario.tick.generator = loop::Generator::kRejoining;
+  EXPECT_NE(MessageOf(scenario).find("tick.low_pass: "), std::string::npos);
+  scenario.tick.low_pass_hz = loop::TickConfig().low_pass_hz;
+  scenario.onboard.filters = {.controller_hz = 100};
+  EXPECT_EQ(MessageOf(scenario), "(accepted)");
+  scenario.onboard.filters.joint_position_hz = 900;
+  EXPECT_NE(MessageOf(scenario).find("onboard.filters: "), std::string::npos);
+  scenario.tick.generator = loop::Generator::kNone;
+  EXPECT_EQ(MessageOf(scenario), "(accepted)");
+}
+
 TEST_F(PlanTest, LimitsTorquesAndLeavesTheLowPassOffUnlessAskedFor) {
   const scenario::Scenario scenario = scenario::Parse(scenario::test::OtherText(), "s.yaml");
   const Plan plan = PlanOf(scenario);

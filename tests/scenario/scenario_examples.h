@@ -172,6 +172,7 @@ hand:
   - {at: 20 ms, move: {width: 70 mm, speed: 0.1 m/s}}
   - {at: 30 ms, grasp: {width: 50 mm, speed: 20 mm/s, force: 40 N, epsilon_inner: 2 mm}}
   - {at: 40 ms, stop: {}}
+tick: {generator: none}
 )";
 }
 

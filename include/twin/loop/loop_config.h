@@ -54,7 +54,7 @@ struct TickConfig {
   Duration stall_time = std::chrono::milliseconds(20);
   /// Cut-off of libfranka's first-order low-pass on the command, Hz, in [1, 1000]; 1000: off. On
   /// the incremental command of a reference generator it scales the increment: the robot follows a
-  /// fraction of the motion.
+  /// fraction of the motion. Refused behind Generator::kRejoining.
   double low_pass_hz = 1000;
   /// libfranka's rate limiter on the command; absent: off.
   std::optional<reference::ClientLimits> limiter;
