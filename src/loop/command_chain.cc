@@ -40,8 +40,6 @@ bool IsTransform(const Transform& T) noexcept {
 /// True when the reference is slow enough to finish the motion: the robot then stops at once within
 /// its limits.
 bool Rests(const RobotState& state) noexcept {
-  constexpr double kSlow = 1e-3;  // rad/s; m/s for a pose
-  constexpr double kEven = 1;     // rad/s^2; m/s^2
   const auto below = [](const auto& values, double bound) {
     return std::ranges::all_of(values, [bound](double x) { return std::abs(x) <= bound; });
   };
@@ -132,7 +130,7 @@ bool CommandChain::Finish(const RobotState& state, bool is_noisy,
   const bool arrived = rejoining_
                            ? rejoining_->Arrived(state, config_.finish_tolerance_rad, is_noisy)
                            : stages_->Arrived(state, matched_);
-  if (arrived && keeps_limits) stages_->StandStill(state, command);
+  if (arrived && keeps_limits) stages_->Settle(state, command);
   return arrived;
 }
 

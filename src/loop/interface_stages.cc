@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "twin/model/transform.h"
 #include "twin/reference/low_pass.h"
 #include "twin/reference/pose_viability_filter.h"
 #include "twin/reference/rate_limiter.h"
@@ -39,6 +40,14 @@ double LargestDifference(const std::array<double, N>& a, const std::array<double
   double largest = 0;
   for (std::size_t i = 0; i < N; ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
   return largest;
+}
+
+/// True when a reference of velocity `last` can take the velocity `next` and then stand still.
+template <std::size_t N>
+bool CanStop(const std::array<double, N>& next, const std::array<double, N>& last) noexcept {
+  return std::ranges::equal(next, last, [](double dq, double dq_d) {
+    return std::abs(dq) <= kSlow && std::abs(dq - dq_d) <= kEven * kCycleSeconds;
+  });
 }
 
 /// Members of all interfaces. @tparam Matcher  the interface's rate matcher.
@@ -94,8 +103,12 @@ class JointPositionStages final : public JointStages {
     command.q_c = outcome.q_c;
     return ViableOf(state, outcome.active);
   }
-  void StandStill(const RobotState& state, RobotCommand& command) const noexcept override {
-    command.q_c = state.q_d;
+  void Settle(const RobotState& state, RobotCommand& command) const noexcept override {
+    JointVector dq{};
+    for (std::size_t i = 0; i < kJoints; ++i) {
+      dq[i] = (command.q_c[i] - state.q_d[i]) / kCycleSeconds;
+    }
+    if (!CanStop(dq, state.dq_d)) command.q_c = state.q_d;
   }
   [[nodiscard]] bool Arrived(const RobotState& state,
                              const Target& matched) const noexcept override {
@@ -126,8 +139,8 @@ class JointVelocityStages final : public JointStages {
     command.dq_c = outcome.dq_c;
     return ViableOf(state, outcome.active);
   }
-  void StandStill(const RobotState& /*state*/, RobotCommand& command) const noexcept override {
-    command.dq_c = {};
+  void Settle(const RobotState& state, RobotCommand& command) const noexcept override {
+    if (!CanStop(command.dq_c, state.dq_d)) command.dq_c = {};
   }
   [[nodiscard]] bool Arrived(const RobotState& /*state*/,
                              const Target& matched) const noexcept override {
@@ -163,8 +176,13 @@ class PoseStages final : public StagesWith<reference::PoseRateMatcher> {
     command.O_T_EE_c = outcome.O_T_EE_c;
     return {viability_->Margin(state), outcome.active ? kAllJoints : std::uint8_t{0}};
   }
-  void StandStill(const RobotState& state, RobotCommand& command) const noexcept override {
-    command.O_T_EE_c = state.O_T_EE_c;
+  void Settle(const RobotState& state, RobotCommand& command) const noexcept override {
+    const Transform& X = state.O_T_EE_c;
+    const Eigen::Vector3d v = model::Position(command.O_T_EE_c) - model::Position(X);
+    const Eigen::Vector3d w = model::TurnBetween(X, command.O_T_EE_c);
+    std::array<double, 6> dP{v[0], v[1], v[2], w[0], w[1], w[2]};
+    for (double& x : dP) x /= kCycleSeconds;
+    if (!CanStop(dP, state.O_dP_EE_c)) command.O_T_EE_c = X;
   }
   [[nodiscard]] bool Arrived(const RobotState& state,
                              const Target& matched) const noexcept override {
@@ -201,7 +219,7 @@ class TorqueStages final : public StagesWith<reference::TorqueRateMatcher> {
     return {};
   }
   /// A torque motion has no reference.
-  void StandStill(const RobotState& /*state*/, RobotCommand& /*command*/) const noexcept override {}
+  void Settle(const RobotState& /*state*/, RobotCommand& /*command*/) const noexcept override {}
   [[nodiscard]] bool Arrived(const RobotState& /*state*/,
                              const Target& /*matched*/) const noexcept override {
     return true;

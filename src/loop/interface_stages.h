@@ -17,6 +17,11 @@ struct Viable {
   std::uint8_t changed_joints = 0;
 };
 
+/// From at most this velocity and acceleration a reference can stand still at once: its jerk is
+/// then 2000 rad/s^3 (m/s^3) at most. A decision.
+constexpr double kSlow = 1e-3;  // rad/s, m/s
+constexpr double kEven = 1;     // rad/s^2, m/s^2
+
 /// The stages of a CommandChain for one command interface. They use this interface's fields of
 /// targets and commands only.
 ///
@@ -39,9 +44,9 @@ class InterfaceStages {
   /// @pre TickConfig::viability.
   virtual Viable KeepViable(const RobotState& state,
                             RobotCommand& command) const noexcept TWIN_REALTIME = 0;
-  /// Has the reference in `state` stand still.
-  virtual void StandStill(const RobotState& state,
-                          RobotCommand& command) const noexcept TWIN_REALTIME = 0;
+  /// Keeps a command after which the reference can stand still at once; else has it stand still.
+  virtual void Settle(const RobotState& state,
+                      RobotCommand& command) const noexcept TWIN_REALTIME = 0;
   /// True when the target is at rest and the robot's reference within the finish tolerance of it.
   [[nodiscard]] virtual bool Arrived(
       const RobotState& state, const reference::Target& matched) const noexcept TWIN_REALTIME = 0;

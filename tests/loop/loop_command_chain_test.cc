@@ -263,7 +263,7 @@ RobotCommand FinishingCommand(CommandInterface interface, const RobotState& stat
   return command;
 }
 
-TEST(CommandChainTest, TheLastCommandLetsTheReferenceStandStill) {
+TEST(CommandChainTest, TheLastCommandIsOneFromWhichTheReferenceCanStandStill) {
   // From the filter's step towards the target a stop at once needs more than the limit of jerk
   // (world 167652 of the campaign).
   RobotState state;

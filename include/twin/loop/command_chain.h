@@ -71,9 +71,8 @@ class CommandChain {
 
   /// True when `command` of the last Next() may end the motion: the matched target is at rest and
   /// the robot's reference within the finish tolerance of this target. With a viability filter or
-  /// saturated correction, the reference must also be nearly at rest, and the command then lets it
-  /// stand still: from the step of a noisy source the robot could not, at once and within its
-  /// limits.
+  /// saturated correction, the reference must also be nearly at rest, before the command and after
+  /// it: a step of a noisy source from which the robot could not stand still at once is left out.
   /// @param is_noisy  as RejoiningFollower::Arrived.
   [[nodiscard]] bool Finish(const RobotState& state, bool is_noisy,
                             RobotCommand& command) const noexcept TWIN_REALTIME;
