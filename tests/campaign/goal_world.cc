@@ -34,9 +34,10 @@ constexpr int kStartCycles = 100;     ///< until a motion shows, and until a com
 constexpr int kBrakeCycles = 1000;    ///< from the largest velocity to rest
 constexpr double kSlowestPart = 5.0;  ///< s, of a way: its begin and its end
 
-Scenario DrawFr3(std::uint64_t seed) {
+/// Without an application, people or what could be touched. A Panda takes streams only.
+Scenario DrawRobot(Dice& dice, std::uint64_t seed) {
   Scenario world = DrawWorld(seed);
-  world.robot.model = "fr3";
+  world.robot.model = dice.Chance(0.3) ? "panda" : "fr3";
   world.robot.q_start = kReady;
   world.motion = {};
   world.robot.hand = plant::HandKind::kFrankaHand;
@@ -78,7 +79,8 @@ class GoalWorld final : private rt::EventHandler, private record::RecordSink {
   GoalWorld(std::uint64_t seed, const run::Catalogue& catalogue, const run::RunFiles& files)
       : dice_(~seed),
         stream_dice_(~seed ^ (std::uint64_t{1} << 51)),
-        world_(DrawFr3(seed)),
+        robot_dice_(~seed ^ (std::uint64_t{1} << 52)),
+        world_(DrawRobot(robot_dice_, seed)),
         data_(scenario::LoadRobotData(files.models, world_.robot.model, world_.robot.hand)),
         guard_(DrawGuard(dice_)),
         config_(WithGuard(run::MakeRobotConfig(world_, data_, files), guard_)),
@@ -189,10 +191,13 @@ class GoalWorld final : private rt::EventHandler, private record::RecordSink {
     for (std::size_t i = 0; i < kJoints; ++i) {
       dq_most_[i] = data_.limits.dq_max[i] * dice_.Between(0.05, 1.2);
     }
-    is_stream_ = stream_dice_.Chance(0.3);
+    is_stream_ = stream_dice_.Chance(0.3) || world_.robot.model == "panda";
     done_.emplace_back(is_stream_ ? "stream" : "motion");
     is_beyond_ = was_refused_ = has_losses_ = false;
     MotionModes modes;
+    if (is_stream_ && robot_dice_.Chance(0.3)) {
+      modes.generator = MotionGeneratorMode::kJointVelocity;
+    }
     if (!is_stream_) modes.asynchronous = dq_most_;
     connection_.backend->Start(modes);
     const bool is_seen = PassUntil(kStartCycles, [&] { return IsMoving(); });
@@ -221,9 +226,10 @@ class GoalWorld final : private rt::EventHandler, private record::RecordSink {
       for (int cycles = stream_dice_.Whole(100, 1500); cycles > 0 && IsMoving(); --cycles) {
         RobotCommand command;
         command.message_id = read_.message_id;
-        command.q_c = onboard::ApproachStep({read_.q_d, read_.dq_d, read_.ddq_d, {}}, goal,
-                                            dq_most_, data_.limits)
-                          .q_d;
+        const auto next = onboard::ApproachStep({read_.q_d, read_.dq_d, read_.ddq_d, {}}, goal,
+                                                dq_most_, data_.limits);
+        command.q_c = next.q_d;
+        command.dq_c = next.dq_d;
         connection_.backend->Write(command);
         Pass(1);
       }
@@ -342,6 +348,7 @@ class GoalWorld final : private rt::EventHandler, private record::RecordSink {
 
   Dice dice_;
   Dice stream_dice_;  ///< so that motions to goals do not depend on streams
+  Dice robot_dice_;   ///< nor either on the robot
   const Scenario world_;
   const scenario::RobotData data_;
   const model::LabLimits guard_;
