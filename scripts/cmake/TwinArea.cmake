@@ -1,7 +1,8 @@
 # One library per area: twin_add_area(core SOURCES a.cc PUBLIC fmt::fmt PRIVATE ...) makes twin_core, alias twin::core.
+# SPARELY: as twin_pch_for_libraries (TwinPch.cmake) says.
 # Areas depend only on areas before them (include/twin/README.md lists the order; a test checks it).
 function(twin_add_area name)
-  cmake_parse_arguments(AREA "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(AREA "SPARELY" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   set(target twin_${name})
   if(AREA_SOURCES)
     add_library(${target} STATIC ${AREA_SOURCES})
@@ -9,7 +10,11 @@ function(twin_add_area name)
     target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:twin_warnings> ${AREA_PRIVATE})
     target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/src)
     set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
-    twin_pch_for_libraries(${target})
+    if(AREA_SPARELY)
+      twin_pch_for_libraries(${target} SPARELY)
+    else()
+      twin_pch_for_libraries(${target})
+    endif()
     twin_unity(${target})
     # Neither inlined nor optimised before it is counted, and so without the precompiled headers. A race of two threads may lose
     # counts, but what ran keeps one.

@@ -28,8 +28,8 @@ find_program(TWIN_SYSTEM_PYTHON python3 PATHS /usr/bin NO_DEFAULT_PATH DOC "Pyth
 mark_as_advanced(TWIN_SYSTEM_PYTHON)
 
 # A test's own source takes longer to compile than it runs; what it tests is compiled as everywhere.
-set(TWIN_TEST_OPTIMISATION -O0 CACHE STRING "Optimisation of the tests' own sources")
-mark_as_advanced(TWIN_TEST_OPTIMISATION)
+set(TWIN_TEST_FLAGS -O0 CACHE STRING "How the tests' own sources are compiled")
+mark_as_advanced(TWIN_TEST_FLAGS)
 
 # There are hundreds of test programs, and lld links one in a quarter of the time. What is installed is linked as always.
 find_program(TWIN_LLD ld.lld DOC "Linker of the test programs, used when present")
@@ -76,7 +76,7 @@ function(twin_compile_as_test target)
   target_link_libraries(${target} PRIVATE twin_warnings GTest::gmock)
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/tests ${PROJECT_SOURCE_DIR}/src)
   target_compile_definitions(${target} PRIVATE TWIN_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-  target_compile_options(${target} PRIVATE ${TWIN_TEST_OPTIMISATION} -U_FORTIFY_SOURCE)
+  target_compile_options(${target} PRIVATE ${TWIN_TEST_FLAGS} -U_FORTIFY_SOURCE)
   twin_pch_for_tests(${target})
 endfunction()
 
