@@ -1,8 +1,8 @@
 # One library per area: twin_add_area(core SOURCES a.cc PUBLIC fmt::fmt PRIVATE ...) makes twin_core, alias twin::core.
-# SPARELY: as twin_pch_for_libraries (TwinPch.cmake) says.
+# COLD is for code whose own speed nobody notices (TwinPch.cmake).
 # Areas depend only on areas before them (include/twin/README.md lists the order; a test checks it).
 function(twin_add_area name)
-  cmake_parse_arguments(AREA "SPARELY" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(AREA "COLD" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   set(target twin_${name})
   if(AREA_SOURCES)
     add_library(${target} STATIC ${AREA_SOURCES})
@@ -10,8 +10,8 @@ function(twin_add_area name)
     target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:twin_warnings> ${AREA_PRIVATE})
     target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/src)
     set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
-    if(AREA_SPARELY)
-      twin_pch_for_libraries(${target} SPARELY)
+    if(AREA_COLD)
+      twin_pch_for_libraries(${target} COLD)
     else()
       twin_pch_for_libraries(${target})
     endif()

@@ -1,9 +1,9 @@
 # Precompiled headers: without them more than half of a build's time goes into gtest, Eigen, fmt and the standard library.
 # Sources include what they use all the same: scripts/lint and -DTWIN_PCH=OFF compile without.
 #
-#   twin_pch_for_libraries(target)         for optimised code of ours
-#   twin_pch_for_libraries(target SPARELY) for that for whose own work nobody waits: -O1 compiles in three quarters of the time
-#   twin_pch_for_tests(target)             for tests' own sources; twin_add_test does it
+#   twin_pch_for_libraries(target)        for optimised code of ours
+#   twin_pch_for_libraries(target COLD)   for code whose own speed nobody notices: -O1 compiles in two thirds of the time
+#   twin_pch_for_tests(target)            for tests' own sources; twin_add_test does it
 #
 # g++ takes a precompiled header only under the options and macros it was made with, and warns otherwise (-Winvalid-pch). Other
 # compilers ask for more, and do without.
@@ -29,15 +29,15 @@ endfunction()
 if(TWIN_PCH)
   twin_precompile(twin_library_headers)
   if(CMAKE_BUILD_TYPE STREQUAL "Release")
-    twin_precompile(twin_spare_headers -O1)
+    twin_precompile(twin_cold_headers -O1)
   endif()
 endif()
 
 function(twin_pch_for_libraries target)
   set(headers twin_library_headers)
-  if(SPARELY IN_LIST ARGN AND CMAKE_BUILD_TYPE STREQUAL "Release")
+  if(COLD IN_LIST ARGN AND CMAKE_BUILD_TYPE STREQUAL "Release")
     target_compile_options(${target} PRIVATE -O1)
-    set(headers twin_spare_headers)
+    set(headers twin_cold_headers)
   endif()
   if(TWIN_PCH)
     target_compile_options(${target} PRIVATE -fPIC)
