@@ -43,8 +43,8 @@ bool Rests(const RobotState& state) noexcept {
   const auto below = [](const auto& values, double bound) {
     return std::ranges::all_of(values, [bound](double x) { return std::abs(x) <= bound; });
   };
-  return below(state.dq_d, kSlow) && below(state.ddq_d, kEven) && below(state.O_dP_EE_c, kSlow) &&
-         below(state.O_ddP_EE_c, kEven);
+  return below(state.dq_d, kRestVelocity) && below(state.ddq_d, kRestAcceleration) &&
+         below(state.O_dP_EE_c, kRestVelocity) && below(state.O_ddP_EE_c, kRestAcceleration);
 }
 
 }  // namespace

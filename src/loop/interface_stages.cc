@@ -46,7 +46,8 @@ double LargestDifference(const std::array<double, N>& a, const std::array<double
 template <std::size_t N>
 bool CanStop(const std::array<double, N>& next, const std::array<double, N>& last) noexcept {
   return std::ranges::equal(next, last, [](double dq, double dq_d) {
-    return std::abs(dq) <= kSlow && std::abs(dq - dq_d) <= kEven * kCycleSeconds;
+    return std::abs(dq) <= kRestVelocity &&
+           std::abs(dq - dq_d) <= kRestAcceleration * kCycleSeconds;
   });
 }
 
@@ -177,12 +178,9 @@ class PoseStages final : public StagesWith<reference::PoseRateMatcher> {
     return {viability_->Margin(state), outcome.active ? kAllJoints : std::uint8_t{0}};
   }
   void Settle(const RobotState& state, RobotCommand& command) const noexcept override {
-    const Transform& X = state.O_T_EE_c;
-    const Eigen::Vector3d v = model::Position(command.O_T_EE_c) - model::Position(X);
-    const Eigen::Vector3d w = model::TurnBetween(X, command.O_T_EE_c);
-    std::array<double, 6> dP{v[0], v[1], v[2], w[0], w[1], w[2]};
+    Vector6 dP = model::WayTo(state.O_T_EE_c, command.O_T_EE_c);
     for (double& x : dP) x /= kCycleSeconds;
-    if (!CanStop(dP, state.O_dP_EE_c)) command.O_T_EE_c = X;
+    if (!CanStop(dP, state.O_dP_EE_c)) command.O_T_EE_c = state.O_T_EE_c;
   }
   [[nodiscard]] bool Arrived(const RobotState& state,
                              const Target& matched) const noexcept override {

@@ -19,8 +19,8 @@ struct Viable {
 
 /// From at most this velocity and acceleration a reference can stand still at once: its jerk is
 /// then 2000 rad/s^3 (m/s^3) at most. A decision.
-constexpr double kSlow = 1e-3;  // rad/s, m/s
-constexpr double kEven = 1;     // rad/s^2, m/s^2
+constexpr double kRestVelocity = 1e-3;   // rad/s, m/s
+constexpr double kRestAcceleration = 1;  // rad/s^2, m/s^2
 
 /// The stages of a CommandChain for one command interface. They use this interface's fields of
 /// targets and commands only.

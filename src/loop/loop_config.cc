@@ -24,8 +24,8 @@ void RequireWholeSteps(const TickConfig& config) {
   if (config.generator != Generator::kRejoining || config.low_pass_hz >= TickConfig().low_pass_hz)
     return;
   throw InputError(
-      "tick.low_pass: behind tick.generator: rejoining, which brakes and accelerates by the steps "
-      "that it weakens, the arm would creep; say off, or another generator");
+      "tick.low_pass: it weakens the steps by which tick.generator: rejoining accelerates, and the "
+      "arm would creep; say off, or another generator");
 }
 
 void RequireMotion(CommandInterface interface) {

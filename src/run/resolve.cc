@@ -203,9 +203,8 @@ loop::TickConfig MakeTick(const scenario::Scenario& scenario, const scenario::Ro
   config.Validate(scenario.motion.interface);
   if (tick.generator == loop::Generator::kRejoining && HasLowPass(scenario)) {
     throw InputError(
-        "onboard.filters: behind tick.generator: rejoining, which brakes and accelerates by the "
-        "steps that the robot's low-passes weaken, the arm would creep; leave them out, or say "
-        "tick.generator: none");
+        "onboard.filters: they weaken the steps by which tick.generator: rejoining accelerates, and "
+        "the arm would creep; leave out all but controller, or say tick.generator: none");
   }
   return config;
 }

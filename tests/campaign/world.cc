@@ -261,7 +261,8 @@ Scenario DrawWorld(std::uint64_t seed, const Scenario* around) {
   DrawSurroundings(dice, world);
   DrawPushes(dice, world);
   DrawRareThings(dice, world, around == nullptr);
-  if (around == nullptr && world.tick.generator == loop::Generator::kRejoining) {  // takes no other
+  if (around == nullptr && world.tick.generator == loop::Generator::kRejoining) {
+    // It is refused behind a low-pass.
     world.tick.low_pass_hz = scenario::TickSection().low_pass_hz;
     world.onboard.filters = {.controller_hz = world.onboard.filters.controller_hz};
   }

@@ -295,7 +295,7 @@ class Ends(Case):
         def memory():
             return int(pathlib.Path("/proc/self/status").read_text().split("VmRSS:")[1].split()[0]) // 1024
 
-        # The least of 80 in a row: the C library gives a robot's 15 MB back now and then, at times not for 30.
+        # The C library may keep a robot's 15 MB while 30 more come and go, so the least of 80 in a row counts.
         counts, least = [], [[], []]
         for number in range(200):
             with panda_twin.serve() as robot:

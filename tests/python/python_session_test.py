@@ -423,7 +423,7 @@ class Leaks(unittest.TestCase):
             tasks = int(status.split("Threads:")[1].split()[0])
             return memory, tasks, len(os.listdir("/proc/self/fd"))
 
-        # The C library keeps 10 MB of the first fifty that compile a model, by and by, and then no more.
+        # The first fifty sessions that compile a model add 10 MB to what the C library keeps; later ones add nothing.
         open_and_close(min(60, count), 1)
         before = use()
         open_and_close(count, 100)
