@@ -50,13 +50,6 @@ bool IsPose(const Transform& T) {
          R.determinant() > 0;
 }
 
-/// [p_1 - p_0; phi].
-Vector6 WayBetween(const Transform& from, const Transform& to) {
-  const Eigen::Vector3d p = model::Position(to) - model::Position(from);
-  const Eigen::Vector3d phi = model::TurnBetween(from, to);
-  return {p[0], p[1], p[2], phi[0], phi[1], phi[2]};
-}
-
 std::vector<Vector6> Ways(const std::vector<PoseWaypoint>& waypoints) {
   if (waypoints.size() < 2 || waypoints.size() > kMaxWaypoints) {
     RefusePoses("{} given; at least two are needed, at most {} possible", waypoints.size(),
@@ -70,7 +63,7 @@ std::vector<Vector6> Ways(const std::vector<PoseWaypoint>& waypoints) {
   std::vector<Vector6> ways;
   ways.reserve(waypoints.size() - 1);
   for (std::size_t i = 1; i < waypoints.size(); ++i) {
-    ways.push_back(WayBetween(waypoints[i - 1].O_T_EE, waypoints[i].O_T_EE));
+    ways.push_back(model::WayTo(waypoints[i - 1].O_T_EE, waypoints[i].O_T_EE));
     if (HalfNorm(ways.back(), 3) <= std::numbers::pi - kAmbiguous) continue;
     RefusePoses(
         "from {} to {} it turns by {:.4f} rad, half a revolution: either way is as short; give a "
