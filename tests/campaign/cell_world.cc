@@ -221,32 +221,4 @@ Outcome RunCell(const Cell& cell, const run::Catalogue& catalogue, const run::Ru
   }
 }
 
-Cell ShrinkCell(Cell cell, std::string_view invariant, const run::Catalogue& catalogue,
-                const run::RunFiles& files) {
-  const auto try_less = [&](Cell less) {
-    if (scenario::ToYaml(less) == scenario::ToYaml(cell)) return false;
-    const Outcome outcome = RunCell(less, catalogue, files, NeedsRepeats(invariant));
-    if (!outcome.finding || outcome.finding->invariant != invariant) return false;
-    cell = std::move(less);
-    return true;
-  };
-  for (bool smaller = true; smaller;) {
-    smaller = false;
-    for (std::size_t i = 0; i < cell.robots.size(); ++i) {
-      Cell less = cell;
-      less.robots.erase(less.robots.begin() + static_cast<std::ptrdiff_t>(i));
-      if (!less.robots.empty() && try_less(std::move(less))) {
-        smaller = true;
-        break;
-      }
-      for (const Simplification change : Simplifications()) {
-        less = cell;
-        change(less.robots[i].scenario);
-        smaller = try_less(std::move(less)) || smaller;
-      }
-    }
-  }
-  return cell;
-}
-
 }  // namespace twin::campaign

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <string_view>
 
 #include "campaign/trial.h"
 #include "twin/run/catalogue.h"
@@ -26,10 +25,5 @@ namespace twin::campaign {
 /// @returns findings and refusals that begin with the robot's name; cycles of all robots.
 [[nodiscard]] Outcome RunCell(const scenario::Cell& cell, const run::Catalogue& catalogue,
                               const run::RunFiles& files, bool repeats);
-
-/// As Shrink: robots, and what is not needed of each, are taken away.
-[[nodiscard]] scenario::Cell ShrinkCell(scenario::Cell cell, std::string_view invariant,
-                                        const run::Catalogue& catalogue,
-                                        const run::RunFiles& files);
 
 }  // namespace twin::campaign

@@ -48,6 +48,7 @@ class CommandTest(unittest.TestCase):
 
     def test_what_tests_nothing_is_refused(self):
         (self.folder / "file").write_text("")
+        (self.folder / "real.yaml").write_text(self.run_program("--seed", SEED, "--print").stdout.replace("drive: lockstep", "drive: realtime"))
         (self.folder / "far.yaml").write_text("name: far\nmotion: {trajectory: {unit: rad, waypoints: [{q: [0, 0, 0, -1, 0, 1, 0]}, {q: [9, 0, 0, -1, 0, 1, 0]}]}}\n")
         for arguments, said in ((("--seed", -1), '"-1" is not a whole number'),
                                 (("--seed", 2**64), "is not a whole number"),
@@ -57,6 +58,9 @@ class CommandTest(unittest.TestCase):
                                 (("--patience", "nan"), "--patience nan"),
                                 (("--data", "nowhere"), "--data nowhere"),
                                 (("--around", "far.yaml", "--worlds", 3), "no world could run"),
+                                (("far.yaml",), "far.yaml: trajectory: point 2"),
+                                (("real.yaml",), "real.yaml: the drive is realtime"),
+                                (("far.yaml", "--seed", SEED), "--seed is for drawn worlds"),
                                 (("--out", "file/folder"), "cannot be made")):
             with self.subTest(arguments=arguments):
                 done = self.run_program(*arguments)
@@ -69,6 +73,12 @@ class CommandTest(unittest.TestCase):
         run = subprocess.run([twin, "run", "world.yaml", "--out", "out"], cwd=self.folder, capture_output=True, text=True, check=False)
         hashes = [re.search(r"states hash +([0-9a-f]{16})", text) for text in (self.run_program("--worlds", 1, "--seed", SEED).stdout, run.stdout)]
         self.assertEqual(hashes[0][1], hashes[1][1])
+
+    def test_a_scenario_file_is_checked_as_a_world_is(self):
+        (self.folder / "world.yaml").write_text(self.run_program("--seed", SEED, "--print").stdout)
+        done = self.run_program("world.yaml")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertRegex(done.stdout, r"^world.yaml violates no invariant; \d+ cycles, ")
 
     def test_a_full_disk_behind_stdout_is_no_success(self):
         with open("/dev/full", "w", encoding="utf-8") as full:

@@ -21,6 +21,7 @@
 #include "campaign/cell_world.h"
 #include "campaign/client_world.h"
 #include "campaign/hang_watch.h"
+#include "campaign/scenario_world.h"
 #include "campaign/trial.h"
 #include "campaign/world.h"
 #include "controllers/registration.h"
@@ -54,7 +55,8 @@ struct Options {
   bool first = false;  ///< ends with the first finding, as it is
   std::filesystem::path around;
   std::filesystem::path out = "out/campaign";
-  std::filesystem::path models;  ///< --data
+  std::filesystem::path models;                  ///< --data
+  std::vector<std::filesystem::path> scenarios;  ///< in place of drawn worlds
 };
 
 /// Worlds that are alike in something.
@@ -111,6 +113,9 @@ class Campaign {
       fmt::print("{}", Describe(options_.seed));
       return 0;
     }
+    if (!options_.scenarios.empty()) {
+      return CheckFiles(options_.scenarios, catalogue_, files_) ? 0 : kExitFinding;
+    }
     run::MakeFolder(options_.out);  // what is found hours later needs it
     run::WorkPool pool(options_.threads);
     const std::uint64_t per_batch = options_.first ? kPerBatchToFirst : kPerBatch;
@@ -146,25 +151,21 @@ class Campaign {
     return !around_ && IsClientWorld(seed);
   }
 
-  [[nodiscard]] bool IsCell(std::uint64_t seed) const { return !around_ && IsCellWorld(seed); }
-
   [[nodiscard]] std::string Describe(std::uint64_t seed) const {
-    if (IsOfClients(seed)) return DescribeClientWorld(seed);
-    return IsCell(seed) ? scenario::ToYaml(DrawCellWorld(seed, options_.models))
-                        : scenario::ToYaml(Draw(seed));
+    return IsOfClients(seed) ? DescribeClientWorld(seed) : TextOf(Draw(seed));
   }
 
   [[nodiscard]] Outcome Try(std::uint64_t seed, bool repeats) const {
-    if (IsOfClients(seed)) return RunClientWorld(seed, catalogue_, files_);
-    if (IsCell(seed))
-      return RunCell(DrawCellWorld(seed, options_.models), catalogue_, files_, repeats);
-    return RunWorld(Draw(seed), catalogue_, files_, repeats);
+    return IsOfClients(seed) ? RunClientWorld(seed, catalogue_, files_)
+                             : RunScenario(Draw(seed), catalogue_, files_, repeats);
   }
 
-  [[nodiscard]] scenario::Scenario Draw(std::uint64_t seed) const {
+  [[nodiscard]] ScenarioWorld Draw(std::uint64_t seed) const {
     if (around_ && around_->application) return DrawAround(seed, *around_);
-    if (!around_ && IsApplicationWorld(seed)) return DrawApplicationWorld(seed, options_.models);
-    return DrawWorld(seed, around_ ? &*around_ : nullptr);
+    if (around_) return DrawWorld(seed, &*around_);
+    if (IsCellWorld(seed)) return DrawCellWorld(seed, options_.models);
+    if (IsApplicationWorld(seed)) return DrawApplicationWorld(seed, options_.models);
+    return DrawWorld(seed);
   }
 
   void Report() {
@@ -222,36 +223,18 @@ class Campaign {
     }
   }
 
-  /// In the shrunk scenario itself.
-  [[nodiscard]] std::string DescribeShrunk(std::uint64_t seed, const Finding& finding) const {
-    return fmt::format(
-        "Shrunk from world {} of the reliability campaign{}, which violates the invariant {}.",
-        seed, around_ ? " around " + options_.around.string() : "", finding.invariant);
-  }
-
   void ShrinkFinding(std::uint64_t seed, const Finding& finding) {
     if (IsOfClients(seed)) {
       fmt::print("world {} shrunk: {}", seed, ShrinkClientWorld(seed, finding.invariant));
       return;
     }
-    const bool repeats = NeedsRepeats(finding.invariant);
-    std::string text;
-    Outcome last;
-    if (IsCell(seed)) {
-      auto small =
-          ShrinkCell(DrawCellWorld(seed, options_.models), finding.invariant, catalogue_, files_);
-      small.common.description = DescribeShrunk(seed, finding);
-      text = scenario::ToYaml(small);
-      last = RunCell(small, catalogue_, files_, repeats);
-    } else {
-      auto small = Shrink(Draw(seed), finding.invariant, catalogue_, files_);
-      small.description = DescribeShrunk(seed, finding);
-      text = scenario::ToYaml(small);
-      last = RunWorld(small, catalogue_, files_, repeats);
-    }
-    const std::filesystem::path file = Write(seed, text);
-    fmt::print("world {} shrunk, {}: {}\n", seed, file.string(),
-               last.finding ? last.finding->text : "run once more, it violates nothing");
+    ScenarioWorld world = Draw(seed);
+    CommonOf(world).description = fmt::format(
+        "Shrunk from world {} of the reliability campaign{}, which violates the invariant {}.",
+        seed, around_ ? " around " + options_.around.string() : "", finding.invariant);
+    const Shrunk shrunk = ShrinkScenario(world, finding, catalogue_, files_);
+    fmt::print("world {} shrunk, {}: {}\n", seed, Write(seed, shrunk.text).string(),
+               shrunk.finding ? shrunk.finding->text : "run once more, it violates nothing");
     std::fflush(stdout);
   }
 
@@ -288,6 +271,16 @@ std::filesystem::path ModelsOf(const std::filesystem::path& given) {
   }
 }
 
+/// Beside scenario files.
+void RequireNoneOfDrawnWorlds(const CLI::App& app) {
+  for (const CLI::Option* option : app.get_options()) {
+    const std::string& name = option->get_name();
+    if (name == "--data" || !name.starts_with("--") || option->empty()) continue;
+    throw InputError(
+        fmt::format("{} is for drawn worlds; leave it out, or the scenario files", name));
+  }
+}
+
 int Main(int argc, char** argv) {
   Options options;
   CLI::App app(
@@ -319,8 +312,11 @@ int Main(int argc, char** argv) {
   app.add_flag("--first", options.first,
                "End with the first world that violates an invariant, and do not shrink it");
   app.add_flag("--print", options.prints, "Only print the scenario of world --seed");
+  app.add_option("SCENARIO", options.scenarios,
+                 "Files: these in place of drawn worlds, one after the other; nothing is shrunk");
   try {
     app.parse(argc, argv);
+    if (!options.scenarios.empty()) RequireNoneOfDrawnWorlds(app);
     options.models = ModelsOf(options.models);
     if (options.worlds == 0)
       throw InputError("--worlds 0: nothing would be tried; give one or more");

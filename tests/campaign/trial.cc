@@ -101,11 +101,6 @@ std::optional<Finding> Reseed(scenario::Scenario world, const Chance& chance,
   return std::nullopt;
 }
 
-void SetPlant(scenario::Scenario& world, robot::PlantKind kind) {
-  world.plant = {};
-  world.plant.kind = kind;
-}
-
 }  // namespace
 
 Outcome RunOnce(const scenario::Scenario& world, const run::Catalogue& catalogue,
@@ -154,83 +149,6 @@ Outcome RunWorld(const scenario::Scenario& world, const run::Catalogue& catalogu
   outcome.finding = Repeat(world, outcome.states_hash, catalogue, files);
   if (!outcome.finding) outcome.finding = Reseed(world, outcome.chance, catalogue, files);
   return outcome;
-}
-
-std::span<const Simplification> Simplifications() {
-  using scenario::Scenario;
-  static constexpr Simplification kSimplifications[] = {
-      [](Scenario& w) { w.perturbations.clear(); },
-      [](Scenario& w) {
-        if (!w.perturbations.empty()) w.perturbations.pop_back();
-      },
-      [](Scenario& w) { w.base.reset(); },
-      [](Scenario& w) { w.objects.clear(); },
-      [](Scenario& w) { w.limits = {}; },
-      [](Scenario& w) {
-        if (!w.limits.regions.empty()) w.limits.regions.pop_back();
-      },
-      [](Scenario& w) { w.panel.clear(); },
-      [](Scenario& w) {
-        if (!w.panel.empty()) w.panel.pop_back();
-      },
-      [](Scenario& w) { w.hand.clear(); },
-      [](Scenario& w) { w.link = {}; },
-      [](Scenario& w) { w.link.state = {}; },
-      [](Scenario& w) { w.link.command = {}; },
-      [](Scenario& w) { w.link.state.loss = {}; },
-      [](Scenario& w) { w.link.command.loss = {}; },
-      [](Scenario& w) { w.link.state.duplication = {}, w.link.command.duplication = {}; },
-      [](Scenario& w) { w.link.state.reordering = {}, w.link.command.reordering = {}; },
-      [](Scenario& w) { w.link.state.delay = {}; },
-      [](Scenario& w) { w.link.command.delay = {}; },
-      [](Scenario& w) { SetPlant(w, robot::PlantKind::kIdeal), w.robot.load = {}; },
-      [](Scenario& w) { SetPlant(w, w.plant.kind); },
-      [](Scenario& w) { w.plant.arm = {}; },
-      [](Scenario& w) { w.robot.load = {}, w.onboard.load = {}; },
-      [](Scenario& w) {
-        if (w.motion.poses.size() > 1) w.motion.poses.pop_back();
-      },
-      [](Scenario& w) { w.robot.clock_drift_ppm = 0; },
-      [](Scenario& w) {
-        w.onboard = {}, w.onboard.collision_behavior = scenario::NoCollisionBehavior();
-      },
-      [](Scenario& w) { w.onboard.filters = {}; },
-      [](Scenario& w) { w.onboard.NE_T_EE = {}; },
-      [](Scenario& w) { w.onboard.collision_behavior = scenario::NoCollisionBehavior(); },
-      [](Scenario& w) { w.controller.rate_hz = 1000, w.controller.phase = {}; },
-      [](Scenario& w) { w.controller.clock_drift_ppm = 0; },
-      [](Scenario& w) { w.controller.target_noise = 0; },
-      [](Scenario& w) { w.controller.cost = {}, w.controller.wake_delay = {}; },
-      [](Scenario& w) { w.tick.cost = {}; },
-      [](Scenario& w) { w.tick.limiter = false; },
-      [](Scenario& w) { w.tick.viability.reset(); },
-      [](Scenario& w) { w.tick.period_tolerance = {}; },
-      [](Scenario& w) { w.loop = loop::LoopKind::kAsynchronous; },
-      [](Scenario& w) { w.motion.controller = ControllerMode::kJointImpedance; },
-      [](Scenario& w) {
-        if (w.motion.waypoints.size() > 2) w.motion.waypoints.pop_back();
-      },
-      [](Scenario& w) { w.motion.timing = {}; },
-      [](Scenario& w) { w.robot.hand = plant::HandKind::kNone, w.hand.clear(); },
-  };
-  return kSimplifications;
-}
-
-scenario::Scenario Shrink(scenario::Scenario world, std::string_view invariant,
-                          const run::Catalogue& catalogue, const run::RunFiles& files) {
-  for (bool smaller = true; smaller;) {
-    smaller = false;
-    for (const Simplification change : Simplifications()) {
-      scenario::Scenario less = world;
-      change(less);
-      if (less == world) continue;
-      const Outcome outcome = RunWorld(less, catalogue, files, NeedsRepeats(invariant));
-      if (!outcome.finding || outcome.finding->invariant != invariant) continue;
-      world = std::move(less);
-      smaller = true;
-    }
-  }
-  return world;
 }
 
 }  // namespace twin::campaign

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <string>
 
 #include "campaign/watch.h"
@@ -52,15 +51,5 @@ struct Outcome {
 [[nodiscard]] inline bool NeedsRepeats(std::string_view invariant) {
   return invariant == "repeats" || invariant == "seed" || invariant == "alone";
 }
-
-/// Takes one thing away from a world that has it.
-using Simplification = void (*)(scenario::Scenario& world);
-[[nodiscard]] std::span<const Simplification> Simplifications();
-
-/// The smallest world found that still violates the same invariant: what is not needed is taken
-/// away, one thing after the other, until nothing more can be.
-[[nodiscard]] scenario::Scenario Shrink(scenario::Scenario world, std::string_view invariant,
-                                        const run::Catalogue& catalogue,
-                                        const run::RunFiles& files);
 
 }  // namespace twin::campaign
