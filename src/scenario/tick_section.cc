@@ -56,7 +56,8 @@ void DescribeTick(Map& map, Scenario& scenario) {
       });
   map.Add("stall_time",
           TimeSpan(tick.stall_time, std::chrono::milliseconds(1), std::chrono::seconds(10)),
-          "Without a new target for so long, and three periods, the controller counts as stalled.");
+          "Without a new target for so long, and three periods, the controller counts as stalled; "
+          "the arm stops, and later rejoins its targets, not along the path between.");
   map.Add(
       "low_pass", Cutoff(tick.low_pass_hz),
       "Cut-off of the client library's low-pass on the command; scales a generator's steps; not "

@@ -155,6 +155,7 @@ void Watch::Put(const record::TickRecord& record) noexcept {
     CheckLimiter(record);
     CheckFinish(record);
   }
+  has_stalled_ = has_stalled_ || record.stalled;
   skipped_ += record.skipped_states;
   ticks_[record.message_id % kKept] = record;
   if (WasWritten(record)) ++written_;
@@ -342,7 +343,8 @@ void Watch::CheckPanel(const RobotState& state) {
 }
 
 void Watch::CheckContact(const record::CycleRecord& record) {
-  if (!contacts_ || record.state.robot_mode != RobotMode::kMove || counts_.held > 0) return;
+  if (!contacts_ || record.state.robot_mode != RobotMode::kMove) return;
+  if (counts_.held > 0 || has_stalled_) return;
   contacts_->Look(record.at);
   if (contacts_->cycles() == 0) return;
   const plant::ContactPair pair = contacts_->Pairs().front();

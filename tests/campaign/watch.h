@@ -96,6 +96,7 @@ class Watch final : public record::RecordSink {
   run::CycleCounts counts_;  ///< by a recount of its own
   std::uint64_t written_ = 0;
   std::uint64_t skipped_ = 0;  ///< states
+  bool has_stalled_ = false;   ///< the source, once: the arm then rejoins it by another way
   std::uint64_t last_tick_ = 0;
   bool finish_served_ = false;
   int since_abort_ = -1;  ///< cycles since a motion was ended by an error; -1: none was
