@@ -5,7 +5,7 @@
 
 #include "campaign/shrink.h"
 
-namespace twin::campaign {
+namespace twin::campaign::campaign_shrink_test {
 namespace {
 
 constexpr std::string_view kWorld = R"(name: "world_7"
@@ -41,4 +41,4 @@ TEST(Shrink, TriesAgainWhatStayed) {
 }
 
 }  // namespace
-}  // namespace twin::campaign
+}  // namespace twin::campaign::campaign_shrink_test

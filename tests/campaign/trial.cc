@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "campaign/first_difference.h"
 #include "campaign/record_hash.h"
 #include "twin/application/application.h"
 #include "twin/core/clock.h"
@@ -67,10 +68,12 @@ std::uint64_t StatesWithLog(const scenario::Scenario& world, const run::Catalogu
 
 std::optional<Finding> Repeat(const scenario::Scenario& world, std::uint64_t hash,
                               const run::Catalogue& catalogue, const run::RunFiles& files) {
-  const auto compare = [hash](std::uint64_t again, std::string_view how) -> std::optional<Finding> {
+  const auto compare = [&](std::uint64_t again, std::string_view how) -> std::optional<Finding> {
     if (again == hash) return std::nullopt;
-    return Finding{"repeats",
-                   fmt::format("states {}, {} {}", FormatHash(hash), how, FormatHash(again))};
+    return Finding{
+        "repeats",
+        fmt::format("states {}, {} {}{}", FormatHash(hash), how, FormatHash(again),
+                    world.application ? "" : "; " + FirstDifference(world, catalogue, files))};
   };
   try {
     const scenario::Scenario read = scenario::Parse(scenario::ToYaml(world), world.name + ".yaml");
