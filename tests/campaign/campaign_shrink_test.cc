@@ -32,7 +32,7 @@ TEST(Shrink, TakesElementsOfListsAway) {
   EXPECT_EQ(Shrink(std::string(kWorld), fails), "name: \"world_7\"\npanel:\n  - {release: stop}\n");
 }
 
-/// A key can be needed only by another one that goes later.
+/// The seed is needed while something is pressed, which goes later.
 TEST(Shrink, TriesAgainWhatStayed) {
   const auto fails = [](const std::string& text) {
     return Has(text, "release") && (Has(text, "seed") || !Has(text, "press"));

@@ -141,7 +141,9 @@ Outcome Sum(const RobotOutcomes& outcomes) {
       sum.finding =
           Finding{outcome.finding->invariant, fmt::format("{}: {}", name, outcome.finding->text)};
     }
-    if (sum.refusal.empty()) sum.refusal = outcome.refusal;
+    if (sum.refusal.empty() && !outcome.refusal.empty()) {
+      sum.refusal = fmt::format("{}: {}", name, outcome.refusal);
+    }
     if (sum.failure.empty()) sum.failure = outcome.failure;
     sum.cycles += outcome.cycles;
     hash.AddWord(outcome.states_hash);

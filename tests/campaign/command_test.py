@@ -28,6 +28,10 @@ class CommandTest(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
 
+    def write_far(self):
+        """A scenario that no robot can run."""
+        (self.folder / "far.yaml").write_text("name: far\nmotion: {trajectory: {unit: rad, waypoints: [{q: [0, 0, 0, -1, 0, 1, 0]}, {q: [9, 0, 0, -1, 0, 1, 0]}]}}\n")
+
     def run_program(self, *arguments, stdout=subprocess.PIPE):
         return subprocess.run([self.program, *map(str, arguments)], cwd=self.folder, stdout=stdout, stderr=subprocess.PIPE, text=True, check=False)
 
@@ -43,13 +47,14 @@ class CommandTest(unittest.TestCase):
             while user_s(running.pid) < 1:  # beyond its start
                 time.sleep(0.01)
             running.send_signal(signal.SIGABRT)
-            self.assertRegex(running.communicate()[1], r"^world (\d+) crashed; it alone: the same command with --worlds 1 --seed \1\n$")
+            self.assertRegex(running.communicate()[1], r"^world \d+ crashed\n$")
         self.assertEqual(running.returncode, -signal.SIGABRT)
 
     def test_what_tests_nothing_is_refused(self):
         (self.folder / "file").write_text("")
         (self.folder / "real.yaml").write_text(self.run_program("--seed", SEED, "--print").stdout.replace("drive: lockstep", "drive: realtime"))
-        (self.folder / "far.yaml").write_text("name: far\nmotion: {trajectory: {unit: rad, waypoints: [{q: [0, 0, 0, -1, 0, 1, 0]}, {q: [9, 0, 0, -1, 0, 1, 0]}]}}\n")
+        (self.folder / "remote.yaml").write_text((self.folder / "real.yaml").read_text().replace('backend: "mujoco"', "backend: fci").replace("drive: realtime\n", ""))
+        self.write_far()
         for arguments, said in ((("--seed", -1), '"-1" is not a whole number'),
                                 (("--seed", 2**64), "is not a whole number"),
                                 (("--seed", "010"), "is not a whole number"),
@@ -58,8 +63,9 @@ class CommandTest(unittest.TestCase):
                                 (("--patience", "nan"), "--patience nan"),
                                 (("--data", "nowhere"), "--data nowhere"),
                                 (("--around", "far.yaml", "--worlds", 3), "no world could run"),
-                                (("far.yaml",), "far.yaml: trajectory: point 2"),
-                                (("real.yaml",), "real.yaml: the drive is realtime"),
+                                (("far.yaml",), "1 of 1 scenarios could not run"),
+                                (("real.yaml",), "real.yaml: drive: realtime: the campaign runs in lockstep"),
+                                (("remote.yaml",), 'remote.yaml: backend: fci: the campaign runs emulated robots'),
                                 (("far.yaml", "--seed", SEED), "--seed is for drawn worlds"),
                                 (("--out", "file/folder"), "cannot be made")):
             with self.subTest(arguments=arguments):
@@ -74,11 +80,20 @@ class CommandTest(unittest.TestCase):
         hashes = [re.search(r"states hash +([0-9a-f]{16})", text) for text in (self.run_program("--worlds", 1, "--seed", SEED).stdout, run.stdout)]
         self.assertEqual(hashes[0][1], hashes[1][1])
 
-    def test_a_scenario_file_is_checked_as_a_world_is(self):
-        (self.folder / "world.yaml").write_text(self.run_program("--seed", SEED, "--print").stdout)
-        done = self.run_program("world.yaml")
+    def test_scenario_files_are_checked_as_worlds_are(self):
+        good = self.run_program("--seed", SEED, "--print").stdout
+        (self.folder / "world.yaml").write_text(good)
+        done = self.run_program("world.yaml", "world.yaml")
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertRegex(done.stdout, r"^world.yaml violates no invariant; \d+ cycles, ")
+        self.assertRegex(done.stdout, r"^(world.yaml violates no invariant: .*; states hash [0-9a-f]{16}\n){2}$")
+        self.write_far()
+        done = self.run_program("far.yaml", "world.yaml")
+        self.assertEqual(done.returncode, 3)
+        self.assertRegex(done.stdout, r"^far.yaml is refused: .*\nworld.yaml violates no invariant")
+        self.assertIn("1 of 2 scenarios could not run", done.stderr)
+        done = self.run_program("world.yaml", "--patience", 0.001)
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertEqual(done.stdout, "world.yaml violates the invariant ends: it still ran after --patience 0.001 s\n")
 
     def test_a_full_disk_behind_stdout_is_no_success(self):
         with open("/dev/full", "w", encoding="utf-8") as full:

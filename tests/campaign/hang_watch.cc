@@ -8,16 +8,13 @@
 #include <csignal>
 #include <cstddef>
 #include <cstdlib>
-#include <optional>
 #include <string_view>
 #include <utility>
-
-#include <fmt/format.h>
 
 namespace twin::campaign {
 namespace {
 
-thread_local std::optional<std::uint64_t> running;
+thread_local const std::string* running = nullptr;  ///< the world's name
 /// For a crash of a stack that is full.
 thread_local std::array<std::byte, 16384> crash_stack;
 
@@ -28,13 +25,9 @@ void Print(std::string_view text) noexcept {
 /// Raises the signal again, for the system's own handling, which ends the program.
 void OnCrash(int signal) {
   ::raise(signal);  // blocked until this returns
-  if (!running) return;
-  const fmt::format_int seed(*running);
-  Print("world ");
-  Print({seed.data(), seed.size()});
-  Print(" crashed; it alone: the same command with --worlds 1 --seed ");
-  Print({seed.data(), seed.size()});
-  Print("\n");
+  if (running == nullptr) return;
+  Print(*running);
+  Print(" crashed\n");
 }
 
 }  // namespace
@@ -48,29 +41,30 @@ void TellCrashes() {
   }
   // A controller that calls exit() would end the campaign as a success.
   std::atexit([] {
-    if (running) std::abort();
+    if (running != nullptr) std::abort();
   });
 }
 
-HangWatch::HangWatch(Duration patience, std::function<void(std::uint64_t)> give_up)
+HangWatch::HangWatch(Duration patience, std::function<void(const World& world)> give_up)
     : patience_(patience), give_up_(std::move(give_up)) {
   if (patience_ > Duration::zero()) {
     thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
   }
 }
 
-HangWatch::World::World(HangWatch& watch, std::uint64_t seed) : watch_(watch), seed_(seed) {
-  running = seed_;
+HangWatch::World::World(HangWatch& watch, std::string name, std::function<std::string()> keep)
+    : watch_(watch), name_(std::move(name)), keep_(std::move(keep)) {
+  running = &name_;
   const stack_t stack{.ss_sp = crash_stack.data(), .ss_flags = 0, .ss_size = crash_stack.size()};
   ::sigaltstack(&stack, nullptr);
   const std::scoped_lock lock(watch_.mutex_);
-  watch_.begun_.emplace(seed_, watch_.clock_.Now());
+  watch_.begun_.emplace(this, watch_.clock_.Now());
 }
 
 HangWatch::World::~World() {
-  running.reset();
+  running = nullptr;
   const std::scoped_lock lock(watch_.mutex_);
-  watch_.begun_.erase(seed_);
+  watch_.begun_.erase(this);
 }
 
 void HangWatch::Run(const std::stop_token& stop) {
@@ -81,7 +75,7 @@ void HangWatch::Run(const std::stop_token& stop) {
     const auto late = std::ranges::find_if(
         begun_, [&](const auto& world) { return clock_.Now() - world.second > patience_; });
     if (late != begun_.end()) {
-      give_up_(late->first);
+      give_up_(*late->first);
       begun_.erase(late);
     }
   }

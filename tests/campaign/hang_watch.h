@@ -1,11 +1,11 @@
 #pragma once
 
 #include <condition_variable>
-#include <cstdint>
 #include <functional>
 #include <map>
 #include <mutex>
 #include <stop_token>
+#include <string>
 #include <thread>
 
 #include "twin/core/clock.h"
@@ -18,21 +18,28 @@ namespace twin::campaign {
 /// Threads: any.
 class HangWatch {
  public:
-  /// @param patience  for each world; zero: without end.
-  /// @param give_up  called with a world's seed, on a thread of its own, once it has taken longer.
-  HangWatch(Duration patience, std::function<void(std::uint64_t seed)> give_up);
+  class World;
 
-  /// A world that runs, from construction to destruction.
+  /// @param patience  for each world; zero: without end.
+  /// @param give_up  called with a world, on a thread of its own, once it has taken longer.
+  HangWatch(Duration patience, std::function<void(const World& world)> give_up);
+
+  /// A world that runs, from construction to destruction, on the thread that makes this.
   class World {
    public:
-    World(HangWatch& watch, std::uint64_t seed);
+    /// @param name  for messages. @param keep  saves what is not in a file yet, and says where.
+    World(HangWatch& watch, std::string name, std::function<std::string()> keep = {});
     World(const World&) = delete;
     World& operator=(const World&) = delete;
     ~World();
 
+    [[nodiscard]] const std::string& name() const { return name_; }
+    [[nodiscard]] std::string Keep() const { return keep_ ? keep_() : std::string(); }
+
    private:
     HangWatch& watch_;
-    const std::uint64_t seed_;
+    const std::string name_;
+    const std::function<std::string()> keep_;
   };
 
  private:
@@ -40,11 +47,11 @@ class HangWatch {
 
   const MonotonicClock clock_;
   const Duration patience_;
-  const std::function<void(std::uint64_t)> give_up_;
+  const std::function<void(const World&)> give_up_;
   std::mutex mutex_;
   std::condition_variable_any stopped_;
-  std::map<std::uint64_t, Time> begun_;  ///< by seed, guarded by mutex_
-  std::jthread thread_;                  // last, so that it stops before the rest is destroyed
+  std::map<const World*, Time> begun_;  ///< guarded by mutex_
+  std::jthread thread_;                 // last, so that it stops before the rest is destroyed
 };
 
 /// From now on a crash of the program, or exit(), by a user's controller for example, says on

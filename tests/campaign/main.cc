@@ -12,6 +12,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include <fmt/format.h>
@@ -113,9 +114,7 @@ class Campaign {
       fmt::print("{}", Describe(options_.seed));
       return 0;
     }
-    if (!options_.scenarios.empty()) {
-      return CheckFiles(options_.scenarios, catalogue_, files_) ? 0 : kExitFinding;
-    }
+    if (!options_.scenarios.empty()) return RunFiles();
     run::MakeFolder(options_.out);  // what is found hours later needs it
     run::WorkPool pool(options_.threads);
     const std::uint64_t per_batch = options_.first ? kPerBatchToFirst : kPerBatch;
@@ -125,15 +124,15 @@ class Campaign {
       pool.ForEach(outcomes.size(), [&](std::size_t i) {
         const std::uint64_t seed = options_.seed + done + i;
         const bool repeats = options_.repeat_every != 0 && seed % options_.repeat_every == 0;
-        const HangWatch::World running(hang_watch_, seed);
+        const HangWatch::World running(hang_watch_, NameOf(seed), [&] { return Keep(seed); });
         outcomes[i] = Try(seed, repeats);
         // At once, since the campaign may be stopped; but which is the first, the batch tells.
-        if (outcomes[i].finding && !options_.first) Tell(seed, *outcomes[i].finding);
+        if (outcomes[i].finding && !options_.first) Tell(NameOf(seed), *outcomes[i].finding);
       });
       for (std::size_t i = 0; goes_on && i < outcomes.size(); ++i) {
         totals_.Add(options_.seed + done + i, outcomes[i]);
         if (!outcomes[i].finding || !options_.first) continue;
-        Tell(options_.seed + done + i, *outcomes[i].finding);
+        Tell(NameOf(options_.seed + done + i), *outcomes[i].finding);
         goes_on = false;
       }
     }
@@ -151,13 +150,35 @@ class Campaign {
     return !around_ && IsClientWorld(seed);
   }
 
+  static std::string NameOf(std::uint64_t seed) { return fmt::format("world {}", seed); }
+
   [[nodiscard]] std::string Describe(std::uint64_t seed) const {
     return IsOfClients(seed) ? DescribeClientWorld(seed) : TextOf(Draw(seed));
   }
 
   [[nodiscard]] Outcome Try(std::uint64_t seed, bool repeats) const {
     return IsOfClients(seed) ? RunClientWorld(seed, catalogue_, files_)
-                             : RunScenario(Draw(seed), catalogue_, files_, repeats);
+                             : RunDrawn(Draw(seed), repeats);
+  }
+
+  [[nodiscard]] Outcome RunDrawn(const ScenarioWorld& world, bool repeats) const {
+    const auto* cell = std::get_if<scenario::Cell>(&world);
+    return cell != nullptr
+               ? RunCell(*cell, catalogue_, files_, repeats)
+               : RunWorld(std::get<scenario::Scenario>(world), catalogue_, files_, repeats);
+  }
+
+  int RunFiles() {
+    const auto run = [this](const ScenarioWorld& world, const std::string& name) {
+      const HangWatch::World running(hang_watch_, name);
+      return RunDrawn(world, true);
+    };
+    const FileCounts counts = CheckFiles(options_.scenarios, run);
+    if (counts.violating > 0) return kExitFinding;
+    if (counts.refused == 0) return 0;
+    throw InputError(
+        fmt::format("{} of {} scenarios could not run, for the reasons on standard output",
+                    counts.refused, options_.scenarios.size()));
   }
 
   [[nodiscard]] ScenarioWorld Draw(std::uint64_t seed) const {
@@ -187,29 +208,34 @@ class Campaign {
   }
 
   /// Threads: any.
-  static void Tell(std::uint64_t seed, const Finding& finding) {
-    fmt::print("world {} violates the invariant {}: {}\n", seed, finding.invariant, finding.text);
+  static void Tell(const std::string& world, const Finding& finding) {
+    fmt::print("{} violates the invariant {}: {}\n", world, finding.invariant, finding.text);
     std::fflush(stdout);
   }
 
   /// Ends the program, since a thread that hangs cannot be ended alone.
-  [[noreturn]] void GiveUp(std::uint64_t seed) const {
+  [[noreturn]] void GiveUp(const HangWatch::World& world) const {
     std::string file;
     try {
-      file = Write(seed, Describe(seed)).string();
+      file = world.Keep();
     } catch (const Error& error) {
       file = error.what();
     }
-    Tell(seed, {"ends",
-                fmt::format("it still ran after --patience {:g} s; {}", options_.patience, file)});
+    Tell(world.name(), {"ends", fmt::format("it still ran after --patience {:g} s{}{}",
+                                            options_.patience, file.empty() ? "" : "; ", file)});
     std::_Exit(kExitFinding);
   }
 
-  /// @returns the file's path.
-  std::filesystem::path Write(std::uint64_t seed, const std::string& world) const {
-    std::filesystem::path file = options_.out / fmt::format("world_{}.yaml", seed);
-    run::WriteWholeFile(file, world);
-    return file;
+  /// Writes a world as it was drawn. @returns the file's path.
+  std::string Keep(std::uint64_t seed) const {
+    return Write(fmt::format("world_{}.{}", seed, IsOfClients(seed) ? "txt" : "yaml"),
+                 Describe(seed));
+  }
+
+  std::string Write(const std::string& name, const std::string& text) const {
+    const std::filesystem::path file = options_.out / name;
+    run::WriteWholeFile(file, text);
+    return file.string();
   }
 
   /// The first of each invariant.
@@ -232,8 +258,15 @@ class Campaign {
     CommonOf(world).description = fmt::format(
         "Shrunk from world {} of the reliability campaign{}, which violates the invariant {}.",
         seed, around_ ? " around " + options_.around.string() : "", finding.invariant);
-    const Shrunk shrunk = ShrinkScenario(world, finding, catalogue_, files_);
-    fmt::print("world {} shrunk, {}: {}\n", seed, Write(seed, shrunk.text).string(),
+    const std::string file = Keep(seed);  // shrinking may take long
+    const bool repeats = NeedsRepeats(finding.invariant);
+    const Shrunk shrunk = ShrinkScenario(world, finding.invariant,
+                                         [&](const ScenarioWorld& less, const std::string& name) {
+                                           const HangWatch::World running(hang_watch_, name);
+                                           return RunDrawn(less, repeats);
+                                         });
+    run::WriteWholeFile(file, shrunk.text);
+    fmt::print("world {} shrunk, {}: {}\n", seed, file,
                shrunk.finding ? shrunk.finding->text : "run once more, it violates nothing");
     std::fflush(stdout);
   }
@@ -246,7 +279,7 @@ class Campaign {
   std::optional<scenario::Scenario> around_;
   Totals totals_;
   HangWatch hang_watch_{FromSeconds(options_.patience),
-                        [this](std::uint64_t seed) { GiveUp(seed); }};
+                        [this](const HangWatch::World& world) { GiveUp(world); }};
 };
 
 /// CLI11 would take -1 as a large number, clamp what is too large, and read 010 as octal.
@@ -275,7 +308,8 @@ std::filesystem::path ModelsOf(const std::filesystem::path& given) {
 void RequireNoneOfDrawnWorlds(const CLI::App& app) {
   for (const CLI::Option* option : app.get_options()) {
     const std::string& name = option->get_name();
-    if (name == "--data" || !name.starts_with("--") || option->empty()) continue;
+    const bool is_of_files = name == "SCENARIO" || name == "--data" || name == "--patience";
+    if (is_of_files || option->empty()) continue;
     throw InputError(
         fmt::format("{} is for drawn worlds; leave it out, or the scenario files", name));
   }
@@ -284,10 +318,12 @@ void RequireNoneOfDrawnWorlds(const CLI::App& app) {
 int Main(int argc, char** argv) {
   Options options;
   CLI::App app(
-      "Runs the whole stack in seeded random scenarios (worlds), in lockstep, and checks invariants in every cycle. "
-      "Exit codes: 0 none; 1 at least one, with the smallest scenario that shows it; 3 a wrong input.",
+      "Runs the whole stack in seeded random scenarios (worlds), or in those of files, in lockstep, and checks invariants "
+      "in every cycle. Exit codes: 0 none is violated; 1 at least one is; 3 a wrong input.",
       "panda-twin-campaign");
-  app.add_option("--worlds", options.worlds, "So many")->check(kWhole)->capture_default_str();
+  app.add_option("--worlds", options.worlds, "Draw so many worlds")
+      ->check(kWhole)
+      ->capture_default_str();
   app.add_option("--seed", options.seed, "Number of the first world; the others follow")
       ->check(kWhole)
       ->capture_default_str();
@@ -300,20 +336,21 @@ int Main(int argc, char** argv) {
          "Of so many worlds one is run again: from its text, with a log, with another seed; 0: none")
       ->check(kWhole)
       ->capture_default_str();
-  app.add_option("--threads", options.threads, "So many worlds at once")
+  app.add_option("--threads", options.threads, "Run so many worlds at once")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   app.add_option("--patience", options.patience,
                  "End the campaign with a world that takes longer on the wall clock, s; 0: wait")
       ->check(CLI::Range(0.0, 1e9))
       ->capture_default_str();
-  app.add_option("--out", options.out, "Folder of shrunk scenarios")->capture_default_str();
+  app.add_option("--out", options.out, "Folder for the scenarios of what is found, shrunk")
+      ->capture_default_str();
   app.add_option("--data", options.models, "Folder of models, if not beside the program");
   app.add_flag("--first", options.first,
                "End with the first world that violates an invariant, and do not shrink it");
   app.add_flag("--print", options.prints, "Only print the scenario of world --seed");
   app.add_option("SCENARIO", options.scenarios,
-                 "Files: these in place of drawn worlds, one after the other; nothing is shrunk");
+                 "Files to check in place of drawn worlds; beside them only --data and --patience");
   try {
     app.parse(argc, argv);
     if (!options.scenarios.empty()) RequireNoneOfDrawnWorlds(app);
@@ -338,7 +375,7 @@ int Main(int argc, char** argv) {
   } catch (const Error& error) {
     fmt::print(stderr, "panda-twin-campaign: {}\n", error.what());
   } catch (const std::filesystem::filesystem_error& error) {  // no folder for temporary files
-    fmt::print(stderr, "panda-twin-campaign: {}\n", error.what());
+    fmt::print(stderr, "panda-twin-campaign: {}; does TMPDIR name a folder?\n", error.what());
   }
   return kExitUsage;
 }

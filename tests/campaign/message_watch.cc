@@ -89,8 +89,9 @@ void MessageWatch::OnTick(const record::TickRecord& tick) {
   CheckDepositTime(tick);
   CheckArrival(tick);
   if (WasWritten(tick) && IsDrawn(world_.tick.cost)) {
-    ++drawn_costs_;
-    costs_hash_.AddWord(static_cast<std::uint64_t>((tick.written - tick.read).count()));
+    const Duration cost = tick.written - tick.read;
+    if (cost != std::exchange(last_cost_, cost)) ++changed_costs_;
+    costs_hash_.AddWord(static_cast<std::uint64_t>(cost.count()));
   }
   ticks_[tick.message_id % kKept] = tick;
   last_tick_ = tick;
@@ -182,6 +183,7 @@ void MessageWatch::CountStates(std::uint64_t from, std::uint64_t to) {
       continue;
     }
     ++states_lost_.sent;
+    ++losses_.sent;
     if (!is_lost) continue;
     ++states_lost_.lost;
     ++losses_.lost;
@@ -226,6 +228,7 @@ void MessageWatch::CheckCommand(const record::CycleRecord& record) {
     return;
   }
   ++commands_lost_.sent;
+  ++losses_.sent;
   if (is_served) return;
   ++commands_lost_.lost;
   ++losses_.lost;

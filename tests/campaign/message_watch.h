@@ -31,13 +31,15 @@ class MessageWatch {
   /// After the run.
   void End();
 
-  /// Messages that the links' laws of chance lost.
-  [[nodiscard]] std::uint64_t lost_by_chance() const { return losses_.lost; }
+  /// Messages that the links' laws of chance lost; 0 if they lost all, which is no chance.
+  [[nodiscard]] std::uint64_t lost_by_chance() const {
+    return losses_.lost < losses_.sent ? losses_.lost : 0;
+  }
   /// Which messages were lost, and how long each tick took: another seed, another value.
   [[nodiscard]] std::uint64_t losses_hash() const { return losses_hash_.value(); }
   [[nodiscard]] std::uint64_t costs_hash() const { return costs_hash_.value(); }
-  /// Ticks whose duration is drawn.
-  [[nodiscard]] std::uint64_t drawn_costs() const { return drawn_costs_; }
+  /// Ticks that took another time than the one before, where it is drawn.
+  [[nodiscard]] std::uint64_t changed_costs() const { return changed_costs_; }
 
  private:
   /// What is known of one direction of the link.
@@ -81,7 +83,8 @@ class MessageWatch {
   Losses losses_;  ///< of both, by chance
   WordHash losses_hash_;
   WordHash costs_hash_;
-  std::uint64_t drawn_costs_ = 0;
+  Duration last_cost_{};
+  std::uint64_t changed_costs_ = 0;
 };
 
 }  // namespace twin::campaign

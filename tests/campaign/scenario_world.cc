@@ -2,12 +2,13 @@
 
 #include <cstdio>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
-#include "campaign/cell_world.h"
 #include "campaign/shrink.h"
 #include "twin/core/error.h"
+#include "twin/core/hash.h"
 
 namespace twin::campaign {
 namespace {
@@ -23,8 +24,24 @@ ScenarioWorld Parse(const std::string& text, const ScenarioWorld& alike) {
 }
 
 ScenarioWorld Load(const std::filesystem::path& path) {
-  if (scenario::HasRobots(path)) return scenario::LoadCell(path);
-  return scenario::Load(path);
+  ScenarioWorld world;
+  if (scenario::HasRobots(path)) {
+    world = scenario::LoadCell(path);
+  } else {
+    world = scenario::Load(path);
+  }
+  const Scenario& common = CommonOf(world);
+  if (common.is_remote()) {
+    throw InputError(
+        fmt::format("{}: backend: {}: the campaign runs emulated robots; leave the backend out",
+                    path.string(), common.backend));
+  }
+  if (!common.is_lockstep()) {
+    throw InputError(
+        fmt::format("{}: drive: {}: the campaign runs in lockstep; leave the drive out",
+                    path.string(), common.drive_name()));
+  }
+  return world;
 }
 
 }  // namespace
@@ -38,25 +55,17 @@ std::string TextOf(const ScenarioWorld& world) {
   return std::visit([](const auto& it) { return scenario::ToYaml(it); }, world);
 }
 
-Outcome RunScenario(const ScenarioWorld& world, const run::Catalogue& catalogue,
-                    const run::RunFiles& files, bool repeats) {
-  const Cell* cell = std::get_if<Cell>(&world);
-  return cell != nullptr ? RunCell(*cell, catalogue, files, repeats)
-                         : RunWorld(std::get<Scenario>(world), catalogue, files, repeats);
-}
-
-Shrunk ShrinkScenario(const ScenarioWorld& world, const Finding& finding,
-                      const run::Catalogue& catalogue, const run::RunFiles& files) {
+Shrunk ShrinkScenario(const ScenarioWorld& world, std::string_view invariant,
+                      const RunScenario& run) {
   Shrunk shrunk;
   std::string whole;  // the smallest so far, with what it leaves out
   const auto fails = [&](const std::string& less) {
     try {
-      const ScenarioWorld smaller = Parse(less, world);
+      ScenarioWorld smaller = Parse(less, world);
       std::string text = TextOf(smaller);
       if (text == whole) return true;
-      const Outcome outcome =
-          RunScenario(smaller, catalogue, files, NeedsRepeats(finding.invariant));
-      if (!outcome.finding || outcome.finding->invariant != finding.invariant) return false;
+      const Outcome outcome = run(smaller, CommonOf(smaller).name + ", while it is shrunk,");
+      if (!outcome.finding || outcome.finding->invariant != invariant) return false;
       shrunk.finding = outcome.finding;
       whole = std::move(text);
       return true;
@@ -69,31 +78,28 @@ Shrunk ShrinkScenario(const ScenarioWorld& world, const Finding& finding,
   return shrunk;
 }
 
-bool CheckFiles(std::span<const std::filesystem::path> paths, const run::Catalogue& catalogue,
-                const run::RunFiles& files) {
-  bool is_clean = true;
-  for (const std::filesystem::path& path : paths) {
-    ScenarioWorld world = Load(path);
-    if (const Scenario& common = CommonOf(world); !common.is_lockstep()) {
-      throw InputError(
-          fmt::format("{}: the drive is {}; what the campaign checks runs in lockstep: choose that",
-                      path.string(), common.drive_name()));
-    }
-    const Outcome outcome = RunScenario(world, catalogue, files, true);
-    if (!outcome.refusal.empty()) {
-      throw InputError(fmt::format("{}: {}", path.string(), outcome.refusal));
-    }
+FileCounts CheckFiles(std::span<const std::filesystem::path> paths, const RunScenario& run) {
+  std::vector<ScenarioWorld> worlds;
+  for (const std::filesystem::path& path : paths) worlds.push_back(Load(path));
+  FileCounts counts;
+  for (std::size_t i = 0; i < worlds.size(); ++i) {
+    const std::string name = paths[i].string();
+    const Outcome outcome = run(worlds[i], name);
     if (outcome.finding) {
-      is_clean = false;
-      fmt::print("{} violates the invariant {}: {}\n", path.string(), outcome.finding->invariant,
+      ++counts.violating;
+      fmt::print("{} violates the invariant {}: {}\n", name, outcome.finding->invariant,
                  outcome.finding->text);
+    } else if (!outcome.refusal.empty()) {
+      ++counts.refused;
+      fmt::print("{} is refused: {}\n", name, outcome.refusal);
     } else {
-      fmt::print("{} violates no invariant; {} cycles, {}\n", path.string(), outcome.cycles,
-                 outcome.end);
+      fmt::print("{} violates no invariant: {}{}{}; states hash {}\n", name, outcome.end,
+                 outcome.failure.empty() ? "" : ": ", outcome.failure,
+                 FormatHash(outcome.states_hash));
     }
     std::fflush(stdout);
   }
-  return is_clean;
+  return counts;
 }
 
 }  // namespace twin::campaign

@@ -1,13 +1,15 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <variant>
 
 #include "campaign/trial.h"
-#include "twin/run/catalogue.h"
 #include "twin/scenario/cell.h"
 #include "twin/scenario/scenario.h"
 
@@ -22,9 +24,8 @@ using ScenarioWorld = std::variant<scenario::Scenario, scenario::Cell>;
 /// As a scenario file.
 [[nodiscard]] std::string TextOf(const ScenarioWorld& world);
 
-/// As RunWorld or RunCell.
-[[nodiscard]] Outcome RunScenario(const ScenarioWorld& world, const run::Catalogue& catalogue,
-                                  const run::RunFiles& files, bool repeats);
+/// Runs a world. @param name  for messages.
+using RunScenario = std::function<Outcome(const ScenarioWorld& world, const std::string& name)>;
 
 /// A shrunk world.
 struct Shrunk {
@@ -32,17 +33,21 @@ struct Shrunk {
   std::optional<Finding> finding;  ///< its own; nullopt: run once more, it violates nothing
 };
 
-/// What still violates the same invariant, as Shrink.
-[[nodiscard]] Shrunk ShrinkScenario(const ScenarioWorld& world, const Finding& finding,
-                                    const run::Catalogue& catalogue, const run::RunFiles& files);
+/// The fewest keys that still violate the invariant, as Shrink.
+[[nodiscard]] Shrunk ShrinkScenario(const ScenarioWorld& world, std::string_view invariant,
+                                    const RunScenario& run);
 
-/// Runs scenarios of files, one after the other, as worlds with all their repeats, and prints what
-/// comes of each.
+/// What came of scenario files.
+struct FileCounts {
+  std::size_t violating = 0;  ///< an invariant
+  std::size_t refused = 0;    ///< as they run
+};
+
+/// Runs scenarios of files, one after the other, and prints what comes of each.
 ///
 /// @param paths  of one robot or of several, in lockstep.
-/// @returns whether none violates an invariant.
-/// @throws InputError for a scenario that cannot run so: then what is printed is not of all.
-[[nodiscard]] bool CheckFiles(std::span<const std::filesystem::path> paths,
-                              const run::Catalogue& catalogue, const run::RunFiles& files);
+/// @throws InputError, before any runs, for a file that is no such scenario.
+[[nodiscard]] FileCounts CheckFiles(std::span<const std::filesystem::path> paths,
+                                    const RunScenario& run);
 
 }  // namespace twin::campaign

@@ -140,7 +140,7 @@ Outcome RunOnce(const scenario::Scenario& world, const run::Catalogue& catalogue
   outcome.cycles = watch.cycles();
   outcome.q = watch.q();
   const MessageWatch& messages = watch.messages();
-  outcome.chance = {messages.lost_by_chance(), messages.losses_hash(), messages.drawn_costs(),
+  outcome.chance = {messages.lost_by_chance(), messages.losses_hash(), messages.changed_costs(),
                     messages.costs_hash()};
   return outcome;
 }

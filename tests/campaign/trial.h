@@ -15,7 +15,7 @@ namespace twin::campaign {
 struct Chance {
   std::uint64_t lost = 0;        ///< messages
   std::uint64_t lost_hash = 0;   ///< which
-  std::uint64_t costs = 0;       ///< ticks with a drawn duration
+  std::uint64_t costs = 0;       ///< drawn, each another than the one before
   std::uint64_t costs_hash = 0;  ///< how long they took
 };
 
