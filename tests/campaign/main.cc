@@ -228,13 +228,9 @@ class Campaign {
 
   /// Writes a world as it was drawn. @returns the file's path.
   std::string Keep(std::uint64_t seed) const {
-    return Write(fmt::format("world_{}.{}", seed, IsOfClients(seed) ? "txt" : "yaml"),
-                 Describe(seed));
-  }
-
-  std::string Write(const std::string& name, const std::string& text) const {
-    const std::filesystem::path file = options_.out / name;
-    run::WriteWholeFile(file, text);
+    const std::filesystem::path file =
+        options_.out / fmt::format("world_{}.{}", seed, IsOfClients(seed) ? "txt" : "yaml");
+    run::WriteWholeFile(file, Describe(seed));
     return file.string();
   }
 
