@@ -42,7 +42,7 @@ namespace {
 constexpr int kExitFinding = 1;
 constexpr int kExitUsage = 3;
 /// Worlds whose outcomes are reported together. Threads wait for the last world of a batch.
-constexpr std::uint64_t kPerBatch = 1024;
+constexpr std::uint64_t kPerBatch = 8192;
 constexpr std::uint64_t kPerBatchToFirst = 64;  ///< with --first
 constexpr std::size_t kMostShrunk = 5;
 
