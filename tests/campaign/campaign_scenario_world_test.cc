@@ -19,8 +19,8 @@ link: {command_loss: 3 %, d_INT: 200 us}
 motion: {trajectory: {unit: rad, waypoints: [{q: [0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]}, {q: [0.1, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]}]}}
 )";
 
-/// Violates `invariant` where a period's tolerance and losses meet, and another one without the
-/// seed.
+/// Violates `viability` where a period's tolerance and losses meet, and else, with another seed,
+/// `finite`.
 Outcome Run(const Scenario& world) {
   Outcome outcome;
   if (world.seed != 7) outcome.finding = {"finite", "other"};

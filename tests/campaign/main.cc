@@ -207,12 +207,6 @@ class Campaign {
     fmt::print("  {:7}, first world {}: {}\n", worlds.count, worlds.first, worlds.text);
   }
 
-  /// Threads: any.
-  static void Tell(const std::string& world, const Finding& finding) {
-    fmt::print("{} violates the invariant {}: {}\n", world, finding.invariant, finding.text);
-    std::fflush(stdout);
-  }
-
   /// Ends the program, since a thread that hangs cannot be ended alone.
   [[noreturn]] void GiveUp(const HangWatch::World& world) const {
     std::string file;

@@ -78,6 +78,11 @@ Shrunk ShrinkScenario(const ScenarioWorld& world, std::string_view invariant,
   return shrunk;
 }
 
+void Tell(const std::string& world, const Finding& finding) {
+  fmt::print("{} violates the invariant {}: {}\n", world, finding.invariant, finding.text);
+  std::fflush(stdout);
+}
+
 FileCounts CheckFiles(std::span<const std::filesystem::path> paths, const RunScenario& run) {
   std::vector<ScenarioWorld> worlds;
   for (const std::filesystem::path& path : paths) worlds.push_back(Load(path));
@@ -87,8 +92,7 @@ FileCounts CheckFiles(std::span<const std::filesystem::path> paths, const RunSce
     const Outcome outcome = run(worlds[i], name);
     if (outcome.finding) {
       ++counts.violating;
-      fmt::print("{} violates the invariant {}: {}\n", name, outcome.finding->invariant,
-                 outcome.finding->text);
+      Tell(name, *outcome.finding);
     } else if (!outcome.refusal.empty()) {
       ++counts.refused;
       fmt::print("{} is refused: {}\n", name, outcome.refusal);

@@ -43,6 +43,9 @@ struct FileCounts {
   std::size_t refused = 0;    ///< as they run
 };
 
+/// Prints a violation, at once. @param world  its name. Threads: any.
+void Tell(const std::string& world, const Finding& finding);
+
 /// Runs scenarios of files, one after the other, and prints what comes of each.
 ///
 /// @param paths  of one robot or of several, in lockstep.
