@@ -283,6 +283,20 @@ LogTable Base() {
       .Done();
 }
 
+LogTable Accelerometers() {
+  constexpr std::size_t kWidth = std::tuple_size_v<Accelerations>;
+  return Columns({.name = "accelerometers",
+                  .topic = std::string(kCycleTopic),
+                  .meaning = "Proper acceleration of an FR3's links 0 to 5, in the sensors' axes, "
+                             "per cycle: link n, axis r is element 3 n + r.",
+                  .columns = {}},
+                 *pb::Cycle::descriptor(), "accelerometers")
+      .Add("at_ns", "ns", "Start of the cycle on the run's clock")
+      .AddVector(kWidth, "top", "m/s^2", "Of the upper sensor of each link")
+      .AddVector(kWidth, "bottom", "m/s^2", "Of the lower sensor of each link")
+      .Done();
+}
+
 LogTable Forces(std::string name, const std::string& field, std::string meaning) {
   constexpr std::size_t kAxes = 3;
   return Columns({.name = std::move(name),
@@ -335,6 +349,7 @@ const std::vector<LogTable>& AllTables() {
     all.push_back(Ticks());
     all.push_back(Events());
     all.push_back(Base());
+    all.push_back(Accelerometers());
     all.push_back(
         Forces("contacts", "contacts",
                "Contact forces at the instants of scenes, on the body of the larger id."));

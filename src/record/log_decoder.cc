@@ -167,6 +167,9 @@ void LogDecoder::Decode(std::span<const std::byte> data, CycleRecord& record) {
   record.violated = cycle_.has_violation();
   if (record.violated) record.violation = DecodeViolation(cycle_.violation());
   if (cycle_.has_base()) record.base = DecodeBase(cycle_.base());
+  DecodeVector("accelerometers' top", cycle_.accelerometers().top(), state.accelerometer_top);
+  DecodeVector("accelerometers' bottom", cycle_.accelerometers().bottom(),
+               state.accelerometer_bottom);
   DecodeVectors(kCycleFields, cycle_, record);
 }
 

@@ -46,6 +46,14 @@ void Encode(const Violation& violation, pb::Violation& message) {
   message.set_message_id(violation.message_id);
 }
 
+/// A robot without accelerometers has zeros; one with them never, since they feel gravity.
+void Encode(const Accelerations& top, const Accelerations& bottom, pb::Cycle& cycle) {
+  if (top == Accelerations{} && bottom == Accelerations{}) return;
+  pb::Accelerometers& message = *cycle.mutable_accelerometers();
+  message.mutable_top()->Add(top.begin(), top.end());
+  message.mutable_bottom()->Add(bottom.begin(), bottom.end());
+}
+
 void Encode(const BaseState& base, pb::Base& message) {
   message.set_message_id(base.message_id);
   message.set_mode(static_cast<pb::BaseMode>(base.mode));
@@ -128,6 +136,7 @@ void LogEncoder::Add(const CycleRecord& record) {
   cycle_.set_control_command_success_rate(state.control_command_success_rate);
   if (record.violated) Encode(record.violation, *cycle_.mutable_violation());
   if (record.base) Encode(*record.base, *cycle_.mutable_base());
+  Encode(state.accelerometer_top, state.accelerometer_bottom, cycle_);
   EncodeVectors(kCycleFields, record, cycle_);
   Write(cycle_channel_, record.at, cycle_);
   const foxglove::FrameTransforms* frames = frames_.Next(record.at, state.q);

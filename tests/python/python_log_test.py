@@ -278,7 +278,7 @@ class Logs(unittest.TestCase):
 
     def test_the_program_describes_all_columns(self):
         described = self.export("--describe").stdout
-        for name in ["cycles", "ticks", "events", "contacts", "config", "base", "pushes", "scenes", "plans"]:
+        for name in ["cycles", "ticks", "events", "contacts", "config", "base", "accelerometers", "pushes", "scenes", "plans"]:
             self.assertIn(f"\n## {name}\n", described)
             for column in self.log.table(name).names:
                 self.assertIn(f"\n| `{column}` | ", described)

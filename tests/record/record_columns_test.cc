@@ -151,6 +151,11 @@ TEST(ColumnReaderTest, HasTheRestOfALog) {
   EXPECT_EQ(In(base, "at_ns").At<std::int64_t>(0), 7'000'000);
   EXPECT_EQ(TextAt(In(base, "mode"), 0), "emergency_stop");
   ExpectRow(In(base, "dq_wheels"), 0, SampleCycle(7).base.value().dq_wheels);
+  const Table accelerometers = ReadAll(reader, "accelerometers");
+  ASSERT_EQ(accelerometers.rows, 1U);
+  EXPECT_EQ(In(accelerometers, "at_ns").At<std::int64_t>(0), 7'000'000);
+  ExpectRow(In(accelerometers, "top"), 0, SampleCycle(7).state.accelerometer_top);
+  ExpectRow(In(accelerometers, "bottom"), 0, SampleCycle(7).state.accelerometer_bottom);
   const Table events = ReadAll(reader, "events");
   ASSERT_EQ(events.rows, 1U);
   EXPECT_EQ(TextAt(In(events, "kind"), 0), "mode");

@@ -41,7 +41,7 @@ std::vector<LogEntry> Entries(const std::filesystem::path& path) {
 /// quantity which the log forgets is found without naming it here.
 void ExpectSame(const record::CycleRecord& a, const record::CycleRecord& b) {
   constexpr std::size_t kBegin = offsetof(RobotState, O_T_EE);
-  constexpr std::size_t kEnd = offsetof(RobotState, dtheta) + sizeof(JointVector);
+  constexpr std::size_t kEnd = offsetof(RobotState, accelerometer_bottom) + sizeof(Accelerations);
   const auto bytes = [](const RobotState& state) {
     return std::string(reinterpret_cast<const char*>(&state) + kBegin, kEnd - kBegin);
   };

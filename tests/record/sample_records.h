@@ -45,7 +45,7 @@ inline std::uint64_t SampleFrames(std::uint64_t cycles) {
 
 /// A cycle in which every number of the robot state differs from every other: the worst case for
 /// compression. The configuration changes every 500 cycles; cycle 3 holds, cycle 5 is violated, in
-/// cycle 7 there is a mobile base.
+/// cycle 7 there are a mobile base and accelerometers.
 inline record::CycleRecord SampleCycle(std::uint64_t k) {
   record::CycleRecord record;
   RobotState& s = record.state;
@@ -97,6 +97,8 @@ inline record::CycleRecord SampleCycle(std::uint64_t k) {
     base.twist_d = {numbers(), numbers()};
     numbers(base.dq_wheels);
     base.mode = BaseMode::kEmergencyStop;
+    numbers(s.accelerometer_top);
+    numbers(s.accelerometer_bottom);
   }
   return record;
 }
