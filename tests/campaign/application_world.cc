@@ -9,7 +9,7 @@
 namespace twin::campaign {
 
 bool IsApplicationWorld(std::uint64_t seed) {
-  return seed % 256 == 34;
+  return seed % 256 == 40;
 }
 
 scenario::Scenario DrawApplicationWorld(std::uint64_t seed, const std::filesystem::path& models) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <functional>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -42,12 +43,14 @@ Scenario DrawRobot(std::uint64_t seed) {
 }
 
 bool MayTouch(const Cell& cell) {
-  const Vector3& a = cell.robots.front().scenario.robot.pose.position;
-  for (std::size_t i = 1; i < cell.robots.size(); ++i) {
-    const Vector3& b = cell.robots[i].scenario.robot.pose.position;
-    if (std::hypot(a[0] - b[0], a[1] - b[1]) < kApart) return true;
-  }
-  return false;
+  const auto is_near = [](const CellRobot& one, const CellRobot& other) {
+    const Vector3& a = one.scenario.robot.pose.position;
+    const Vector3& b = other.scenario.robot.pose.position;
+    return &one != &other && std::hypot(a[0] - b[0], a[1] - b[1]) < kApart;
+  };
+  return std::ranges::any_of(cell.robots, [&](const CellRobot& one) {
+    return std::ranges::any_of(cell.robots, std::bind_front(is_near, std::cref(one)));
+  });
 }
 
 /// What came of each robot, in their order.
@@ -113,14 +116,20 @@ std::optional<Finding> CompareAgain(const RobotOutcomes& first, const RobotOutco
 std::optional<Finding> CompareAlone(const std::string& name, const Outcome& here,
                                     const Outcome& alone) {
   double off = 0;
-  for (std::size_t i = 0; i < kJoints; ++i) off = std::max(off, std::abs(here.q[i] - alone.q[i]));
+  const std::size_t cycles = std::min(here.path.size(), alone.path.size());
+  for (std::size_t k = 0; k < cycles; ++k) {
+    for (std::size_t i = 0; i < kJoints; ++i) {
+      off = std::max(off, std::abs(here.path[k][i] - alone.path[k][i]));
+    }
+  }
   const bool meets_itself = here.end.find("self_collision") != std::string::npos;
   if (off <= (meets_itself ? kSameAfterImpact : kSame) && here.end == alone.end &&
       here.cycles == alone.cycles)
     return std::nullopt;
-  return Finding{"alone", fmt::format("{}: {} after {} cycles; alone {} after {}, and it stands {} "
-                                      "rad elsewhere",
-                                      name, here.end, here.cycles, alone.end, alone.cycles, off)};
+  return Finding{"alone",
+                 fmt::format("{}: {} after {} cycles; alone {} after {}, and it was up to {} "
+                             "rad elsewhere",
+                             name, here.end, here.cycles, alone.end, alone.cycles, off)};
 }
 
 std::optional<Finding> Repeat(const Cell& cell, const RobotOutcomes& first,
@@ -132,7 +141,8 @@ std::optional<Finding> Repeat(const Cell& cell, const RobotOutcomes& first,
     const Scenario& robot = std::ranges::find(cell.robots, name, &CellRobot::name)->scenario;
     // Without its rotors' inertia an arm may swing, and a last digit then grows.
     if (!robot.plant.armature) continue;
-    finding = CompareAlone(name, outcome, RunOnce(robot, catalogue, files));
+    const Outcome alone = RunOnce(robot, catalogue, files);
+    finding = alone.finding ? alone.finding : CompareAlone(name, outcome, alone);
   }
   return finding;
 }

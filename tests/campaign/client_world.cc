@@ -78,6 +78,14 @@ Course Run(const StreamPlan& plan, bool over_the_wire) {
   return course;
 }
 
+/// Of a plan with all that can only be done in process: lost and doubled commands, wrong ids,
+/// values that are no numbers.
+std::optional<Finding> RunInProcess(const StreamPlan& plan) {
+  const Course here = Run(plan, false);
+  if (!here.result.finding) return std::nullopt;
+  return Finding{"specification", "of all disturbances: " + *here.result.finding};
+}
+
 std::uint64_t HashOf(const std::vector<RobotState>& states) {
   WordHash hash;
   for (const RobotState& state : states) {
@@ -127,21 +135,26 @@ bool IsClientWorld(std::uint64_t seed) {
 Outcome RunClientWorld(std::uint64_t seed, const run::Catalogue& catalogue,
                        const run::RunFiles& files) {
   if (IsGoalWorld(seed)) return RunGoalWorld(seed, catalogue, files);
-  return IsSessionWorld(seed) ? RunSessionWorld(seed) : RunStreamWorld(DrawWirePlan(seed));
+  if (IsSessionWorld(seed)) return RunSessionWorld(seed);
+  Outcome outcome = RunStreamWorld(DrawWirePlan(seed));
+  if (!outcome.finding) outcome.finding = RunInProcess(test::DrawPlan(seed));
+  return outcome;
 }
 
 std::string DescribeClientWorld(std::uint64_t seed) {
-  if (IsGoalWorld(seed)) return fmt::format("world {}: a client's goals for an FR3\n", seed);
+  if (IsGoalWorld(seed)) return fmt::format("world {}: a client's goals, or stream\n", seed);
   if (IsSessionWorld(seed)) return fmt::format("world {}: sessions of clients\n", seed);
   return Describe(DrawWirePlan(seed));
 }
 
 std::string ShrinkClientWorld(std::uint64_t seed, std::string_view invariant) {
   if (IsSessionWorld(seed) || IsGoalWorld(seed)) return DescribeClientWorld(seed);
-  return Describe(test::Shrink(DrawWirePlan(seed), [&](const StreamPlan& less) {
-    const Outcome outcome = RunStreamWorld(less);
-    return outcome.finding && outcome.finding->invariant == invariant;
-  }));
+  const bool is_of_wire = RunStreamWorld(DrawWirePlan(seed)).finding.has_value();
+  return Describe(test::Shrink(
+      is_of_wire ? DrawWirePlan(seed) : test::DrawPlan(seed), [&](const StreamPlan& less) {
+        const auto finding = is_of_wire ? RunStreamWorld(less).finding : RunInProcess(less);
+        return finding && finding->invariant == invariant;
+      }));
 }
 
 }  // namespace twin::campaign

@@ -98,7 +98,6 @@ class GoalWorld final : private rt::EventHandler, private record::RecordSink {
     outcome.finding = std::move(finding_);
     outcome.cycles = cycles_;
     outcome.states_hash = hash_.value();
-    outcome.q = last_.q;
     return outcome;
   }
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -45,6 +46,10 @@ constexpr int kExitUsage = 3;
 constexpr std::uint64_t kPerBatch = 8192;
 constexpr std::uint64_t kPerBatchToFirst = 64;  ///< with --first
 constexpr std::size_t kMostShrunk = 5;
+constexpr double kMostRefused = 0.1;  ///< of drawn worlds, once they are enough
+constexpr std::uint64_t kEnoughWorlds = 1000;
+constexpr double kUnlikelyInAll = 8;  ///< standard deviations
+constexpr double kLossBias = 0.01;
 
 struct Options {
   std::uint64_t worlds = 1000;
@@ -83,12 +88,14 @@ struct Totals {
   std::map<std::string, Worlds> ends;
   std::map<std::string, Worlds> refusals;
   std::vector<std::pair<std::uint64_t, Finding>> findings;
+  LossTally losses;
 
   void Add(std::uint64_t seed, const Outcome& outcome) {
     ++worlds;
     cycles += outcome.cycles;
     digest.AddWord(outcome.states_hash);
     states_hash = outcome.states_hash;
+    losses.Add(outcome.chance.losses);
     if (outcome.finding) findings.emplace_back(seed, *outcome.finding);
     if (outcome.refusal.empty()) {
       ends[outcome.end].Add(seed, outcome.end);
@@ -96,6 +103,30 @@ struct Totals {
       ++refused;
       refusals[outcome.refusal.substr(0, outcome.refusal.find_first_of("0123456789"))].Add(
           seed, "refused: " + outcome.refusal);
+    }
+  }
+
+  /// What a world alone is too short to show. The share is of what its ends bias: a motion ends
+  /// with a state that came.
+  [[nodiscard]] std::optional<Finding> JudgeLosses() const {
+    const double off = std::abs(losses.lost - losses.expected);
+    if (off <= kUnlikelyInAll * std::sqrt(losses.variance) + kLossBias * losses.expected) return {};
+    return Finding{"link", fmt::format("laws of chance lost {} messages, and should have {:.1f}",
+                                       losses.lost, losses.expected)};
+  }
+
+  /// Throws if too few worlds could run for what was tried to say something.
+  void RequireRuns(bool drawn) const {
+    if (refused == worlds) {
+      throw InputError(
+          "no world could run, for the reasons on standard output; so nothing was tried");
+    }
+    if (!drawn || worlds < kEnoughWorlds) return;
+    if (static_cast<double>(refused) > kMostRefused * static_cast<double>(worlds)) {
+      throw InputError(
+          fmt::format("{} of {} worlds could not run, for the reasons on standard "
+                      "output; more than {:g} % are too many",
+                      refused, worlds, 100 * kMostRefused));
     }
   }
 };
@@ -137,11 +168,10 @@ class Campaign {
       }
     }
     Report();
-    if (totals_.refused == totals_.worlds) {
-      throw InputError(
-          "no world could run, for the reasons on standard output; so nothing was tried");
-    }
-    return totals_.findings.empty() ? 0 : kExitFinding;
+    totals_.RequireRuns(!around_);
+    const std::optional<Finding> of_losses = totals_.JudgeLosses();
+    if (of_losses) Tell("all worlds together", *of_losses);
+    return totals_.findings.empty() && !of_losses ? 0 : kExitFinding;
   }
 
  private:
@@ -157,8 +187,14 @@ class Campaign {
   }
 
   [[nodiscard]] Outcome Try(std::uint64_t seed, bool repeats) const {
-    return IsOfClients(seed) ? RunClientWorld(seed, catalogue_, files_)
-                             : RunDrawn(Draw(seed), repeats);
+    try {
+      return IsOfClients(seed) ? RunClientWorld(seed, catalogue_, files_)
+                               : RunDrawn(Draw(seed), repeats);
+    } catch (const std::exception& error) {
+      Outcome failed;
+      failed.finding = Finding{"errors", error.what()};
+      return failed;
+    }
   }
 
   [[nodiscard]] Outcome RunDrawn(const ScenarioWorld& world, bool repeats) const {

@@ -258,9 +258,10 @@ void MessageWatch::CheckLosses(std::string_view what, const scenario::DirectionS
     return;
   }
   const double expected = share * sent;
-  const double deviation = std::sqrt(expected * (1 - share) * together);
+  const double variance = expected * (1 - share) * together;
   const double off = std::abs(static_cast<double>(losses.lost) - expected);
-  if (off <= (share > 0 ? kUnlikely * deviation + few : 0)) return;
+  tally_.Add({static_cast<double>(losses.lost), expected, variance});
+  if (off <= (share > 0 ? kUnlikely * std::sqrt(variance) + few : 0)) return;
   note_("link", fmt::format("{} of {} {} were lost, and the law says {:.1f}", losses.lost,
                             losses.sent, what, expected));
 }

@@ -17,6 +17,19 @@ namespace twin::campaign {
 /// Whether the workstation sent a command in this tick.
 [[nodiscard]] bool WasWritten(const record::TickRecord& tick);
 
+/// Messages that laws of chance lost, and how many they should have.
+struct LossTally {
+  double lost = 0;
+  double expected = 0;
+  double variance = 0;
+
+  void Add(const LossTally& other) {
+    lost += other.lost;
+    expected += other.expected;
+    variance += other.variance;
+  }
+};
+
 /// Watches clocks, links and the workstation's ticks of a run in lockstep, by what the scenario
 /// says of them and nothing else. Part of Watch.
 class MessageWatch {
@@ -35,6 +48,8 @@ class MessageWatch {
   [[nodiscard]] std::uint64_t lost_by_chance() const {
     return losses_.lost < losses_.sent ? losses_.lost : 0;
   }
+  /// Of both directions, by laws of chance.
+  [[nodiscard]] const LossTally& tally() const { return tally_; }
   /// Which messages were lost, and how long each tick took: another seed, another value.
   [[nodiscard]] std::uint64_t losses_hash() const { return losses_hash_.value(); }
   [[nodiscard]] std::uint64_t costs_hash() const { return costs_hash_.value(); }
@@ -81,6 +96,7 @@ class MessageWatch {
   Losses states_lost_;
   Losses commands_lost_;
   Losses losses_;  ///< of both, by chance
+  LossTally tally_;
   WordHash losses_hash_;
   WordHash costs_hash_;
   Duration last_cost_{};

@@ -3,8 +3,8 @@
 
     nights.py PROGRAM LEDGER [--worlds N] [--block N]      default: 100000 worlds in blocks of 8000
 
-The ledger has a line of JSON per block: seed of its first world, worlds, hours of the robot's time, seconds of the wall clock, violations,
-digest, and the program's hash. Prints what it holds in all. Exit code 1: a block of this night has a violation.
+The ledger has a line of JSON per block: seed of its first world, worlds, hours of the robot's time, seconds of the wall clock, refused worlds,
+violations, digest, the night's largest memory so far, and the program's hash. Prints what it holds in all. Exit code 1: a block of this night has a violation.
 """
 
 import argparse
@@ -13,6 +13,7 @@ import json
 import os
 import pathlib
 import re
+import resource
 import subprocess
 import sys
 import time
@@ -35,8 +36,8 @@ def run_block(program, seed, worlds, out):
         raise SystemExit(f"{program} ended with {done.returncode}: {done.stdout[-2000:]}{done.stderr}")
     if done.returncode != 0:
         print(done.stdout, flush=True)
-    return {"seed": seed, "worlds": int(said[1]), "robot_h": float(said[3]), "wall_s": round(time.monotonic() - began, 1), "violations": int(said[5]),
-            "digest": said[6], "program": hashlib.sha256(program.read_bytes()).hexdigest()[:16]}
+    return {"seed": seed, "worlds": int(said[1]), "robot_h": float(said[3]), "wall_s": round(time.monotonic() - began, 1), "refused": int(said[4]), "violations": int(said[5]),
+            "digest": said[6], "peak_mb": resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss // 1024, "program": hashlib.sha256(program.read_bytes()).hexdigest()[:16]}
 
 
 def main():

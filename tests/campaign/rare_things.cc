@@ -57,12 +57,12 @@ void DrawArm(Dice& dice, Scenario& world) {
 /// Someone takes the hand and leads it, and pushes are no longer through a body's centre.
 void DrawHands(Dice& dice, Scenario& world) {
   for (plant::Perturbation& perturbation : world.perturbations) {
-    if (!dice.Chance(0.3)) continue;
-    auto& push = std::get<plant::Push>(perturbation);
-    for (double& moment : push.torque) moment = dice.Between(-10, 10);
-    for (double& p : push.point) p = dice.Between(-0.1, 0.1);
-    if (dice.Chance(0.5)) push.frame = plant::ForceFrame::kBody;
-    if (dice.Chance(0.5)) push.motion = 1;
+    auto* const push = std::get_if<plant::Push>(&perturbation);
+    if (push == nullptr || !dice.Chance(0.3)) continue;  // a user's spring stays
+    for (double& moment : push->torque) moment = dice.Between(-10, 10);
+    for (double& p : push->point) p = dice.Between(-0.1, 0.1);
+    if (dice.Chance(0.5)) push->frame = plant::ForceFrame::kBody;
+    if (dice.Chance(0.5)) push->motion = 1;
   }
   if (world.plant.kind == robot::PlantKind::kIdeal || !dice.Chance(0.1)) return;
   plant::HandSpring spring{.body = fmt::format("panda_link{}", dice.Whole(4, 7))};

@@ -94,7 +94,9 @@ std::optional<Finding> Reseed(scenario::Scenario world, const Chance& chance,
   const bool has_costs = chance.costs >= kEnough;
   if (world.application || (!has_losses && !has_costs)) return std::nullopt;
   world.seed += 1ULL << 32;
-  const Chance other = RunOnce(world, catalogue, files).chance;
+  const Outcome again = RunOnce(world, catalogue, files);
+  const Chance& other = again.chance;
+  if (again.finding) return again.finding;
   if (has_losses && other.lost_hash == chance.lost_hash) {
     return Finding{"seed", "with another seed the same messages are lost"};
   }
@@ -116,38 +118,40 @@ Outcome RunOnce(const scenario::Scenario& world, const run::Catalogue& catalogue
     const run::Catalogue own{watched, catalogue.controllers, catalogue.devices};
     if (world.application) {
       const ApplicationEnd end = ExecuteApplication(world, own, files, &watch, partners);
-      outcome.finding = watch.finding();
       outcome.failure = end.failure;
       outcome.end = world.application->type + (end.failure.empty() ? ": success" : ": failure");
       outcome.states_hash = end.states_hash;
     } else {
       run::Run run(world, own, files, &watch);
       const run::RunResult result = run.Execute();
-      outcome.finding = watch.End(result);
+      watch.End(result);
       outcome.end = NameOf(result.report.end);
       if (result.report.errors.any()) outcome.end += ": " + FormatErrors(result.report.errors);
       outcome.states_hash = result.states_hash;
     }
   } catch (const InputError& error) {
     outcome.refusal = error.what();
-  } catch (const RobotFault& fault) {
+  } catch (const RobotFault& fault) {  // the panel before the motion
+    if (world.panel.empty()) outcome.finding = Finding{"errors", fault.what()};
     outcome.refusal = fault.what();
   } catch (const run::NoPlanError& error) {
     outcome.refusal = error.what();
   } catch (const std::exception& error) {
     outcome.finding = Finding{"errors", error.what()};
   }
-  outcome.cycles = watch.cycles();
-  outcome.q = watch.q();
+  if (watch.finding()) outcome.finding = watch.finding();  // also of a run that was broken off
+  outcome.cycles = watch.path().size();
+  outcome.path = watch.path();
   const MessageWatch& messages = watch.messages();
   outcome.chance = {messages.lost_by_chance(), messages.losses_hash(), messages.changed_costs(),
-                    messages.costs_hash()};
+                    messages.costs_hash(), messages.tally()};
   return outcome;
 }
 
 Outcome RunWorld(const scenario::Scenario& world, const run::Catalogue& catalogue,
                  const run::RunFiles& files, bool repeats) {
   Outcome outcome = RunOnce(world, catalogue, files);
+  outcome.path = {};
   if (outcome.finding || !outcome.refusal.empty() || !repeats) return outcome;
   outcome.finding = Repeat(world, outcome.states_hash, catalogue, files);
   if (!outcome.finding) outcome.finding = Reseed(world, outcome.chance, catalogue, files);

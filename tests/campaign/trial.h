@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "campaign/watch.h"
 #include "twin/application/partners.h"
@@ -17,6 +18,7 @@ struct Chance {
   std::uint64_t lost_hash = 0;   ///< which
   std::uint64_t costs = 0;       ///< drawn, each another than the one before
   std::uint64_t costs_hash = 0;  ///< how long they took
+  LossTally losses;
 };
 
 /// What came of a world.
@@ -27,7 +29,7 @@ struct Outcome {
   std::string failure;             ///< of an application; empty: its task succeeded
   std::uint64_t cycles = 0;
   std::uint64_t states_hash = 0;
-  JointVector q{};  ///< measured, at the end
+  std::vector<JointVector> path;  ///< q, measured in each cycle; only of RunOnce()
   Chance chance;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <variant>
 
 #include <fmt/format.h>
 
@@ -30,10 +31,7 @@ constexpr double kFinishAcceleration = 1;  ///< rad/s^2
 /// Lost in a row: after more, libfranka's law may accelerate a joint beyond its limit.
 constexpr std::uint32_t kLimiterLosses = 2;
 
-bool NeedsBrakes(const scenario::Scenario& world) {
-  return !world.plant.armature ||
-         std::ranges::any_of(world.objects, [](const auto& object) { return !object.mass; });
-}
+constexpr auto kInstability = static_cast<std::size_t>(RobotError::kInstabilityDetected);
 
 /// A planned motion of an arm that nothing takes off its way, that INT knows, and whose chain keeps
 /// to its source: the paper's generator and a low-pass filter lag, and a viability filter alone
@@ -46,6 +44,11 @@ bool MustNotTouch(const scenario::Scenario& world) {
          plant.mass_scale == 1 && plant.base_tilt == scenario::PlantSection().base_tilt &&
          plant.arm == scenario::PlantSection().arm &&
          world.tick.generator == loop::Generator::kRejoining;
+}
+
+bool NeedsBrakes(const scenario::Scenario& world) {
+  return !world.plant.armature ||
+         std::ranges::any_of(world.objects, [](const auto& object) { return !object.mass; });
 }
 
 /// INT's own, between a command of joints and the reference.
@@ -68,6 +71,9 @@ class WatchedBackend final : public backend::Backend {
  public:
   WatchedBackend(std::unique_ptr<backend::Backend> inner, Watch& watch)
       : inner_(std::move(inner)), watch_(watch) {}
+  WatchedBackend(const WatchedBackend&) = delete;
+  WatchedBackend& operator=(const WatchedBackend&) = delete;
+  ~WatchedBackend() override { watch_.CheckEngine(); }
 
   [[nodiscard]] backend::Description Describe() const override { return inner_->Describe(); }
   void Configure(const Setting& setting) override {
@@ -115,6 +121,17 @@ class WatchedBackend final : public backend::Backend {
   Watch& watch_;
 };
 
+std::optional<std::uint64_t> Watch::FirstPush(const scenario::Scenario& world) {
+  std::optional<std::uint64_t> first;
+  for (const plant::Perturbation& perturbation : world.perturbations) {
+    const auto begin = std::visit(
+        [](const auto& one) { return one.motion ? Duration::zero() : one.begin; }, perturbation);
+    const auto id = static_cast<std::uint64_t>(begin / kCycle);
+    first = std::min(first.value_or(id), id);
+  }
+  return first;
+}
+
 backend::Registry Watch::Watched(const backend::Registry& backends) {
   backend::Registry watched;
   watched.Add("mujoco", [this, connect = backends.Find("mujoco")](const backend::Request& request) {
@@ -127,9 +144,10 @@ backend::Registry Watch::Watched(const backend::Registry& backends) {
         world_.robot.load == world_.onboard.load) {
       specification_.emplace(*robot_, [inner] { return inner->Describe(); });
     }
-    if (connection.truth != nullptr && !is_pushed_ && MustNotTouch(world_)) {
+    if (connection.truth != nullptr && !pushed_from_ && MustNotTouch(world_)) {
       contacts_.emplace(*connection.truth);
     }
+    engine_warnings_ = connection.engine_warnings;
     connection.backend = std::make_unique<WatchedBackend>(std::move(connection.backend), *this);
     return connection;
   });
@@ -162,8 +180,8 @@ void Watch::Put(const record::TickRecord& record) noexcept {
 }
 
 void Watch::Put(const record::CycleRecord& record) noexcept {
-  ++cycles_;
   const RobotState& state = record.state;
+  path_.push_back(state.q);
   Note("finite", test::FindNotFinite(state));
   if (last_ && state.message_id != last_->state.message_id + 1) {
     Note("ids",
@@ -172,6 +190,7 @@ void Watch::Put(const record::CycleRecord& record) noexcept {
   CheckCount(record);
   CheckSpecification(record);
   if (last_) CheckReference(last_->state, state, record.violated);
+  CheckEnergy(state);
   CheckViability(record);
   CheckGuard(state);
   CheckRest(state);
@@ -212,6 +231,10 @@ void Watch::CheckCount(const record::CycleRecord& record) {
   }
   if (record.fate != record::CommandFate::kServed) return;
   ++counts_.served;
+  if (record.lost_in_row != 0) {
+    Note("holds",
+         fmt::format("cycle {} is served, and {} are lost in a row", id, record.lost_in_row));
+  }
   const record::TickRecord& tick = ticks_[(id - 1) % kKept];
   const bool is_known = tick.message_id == id - 1 && WasWritten(tick);
   if (!is_known) {
@@ -223,15 +246,23 @@ void Watch::CheckCount(const record::CycleRecord& record) {
 }
 
 void Watch::CheckReference(const RobotState& before, const RobotState& after, bool violated) {
+  const bool stops =
+      before.robot_mode == RobotMode::kReflex && after.robot_mode == RobotMode::kReflex;
+  if (stops && !after.errors.test(kInstability))
+    Note("reference", test::FindBadBraking(before, after, robot_->limits.joints, false));
   const bool moves = before.robot_mode == RobotMode::kMove && after.robot_mode == RobotMode::kMove;
   // An external controller moves the arm, and the reference with it; people do when they guide.
   if (!moves || violated || after.controller_mode == ControllerMode::kExternalController) return;
   Note("reference", test::FindBrokenDifferences(before, after));
   Note("reference", test::FindBeyondLimits(before, after, robot_->limits.joints));
-  for (std::size_t i = 0; i < kJoints && !is_pushed_; ++i) {
-    if (std::abs(after.dq[i]) <= kWildShare * robot_->limits.joints.dq_max[i]) continue;
+}
+
+void Watch::CheckEnergy(const RobotState& state) {
+  if (NeedsBrakes(world_) && state.robot_mode != RobotMode::kMove) return;
+  for (std::size_t i = 0; i < kJoints && !IsPushed(); ++i) {
+    if (std::abs(state.dq[i]) <= kWildShare * robot_->limits.joints.dq_max[i]) continue;
     Note("energy",
-         fmt::format("cycle {}: joint {} moves at {} rad/s", after.message_id, i + 1, after.dq[i]));
+         fmt::format("cycle {}: joint {} moves at {} rad/s", state.message_id, i + 1, state.dq[i]));
   }
 }
 
@@ -265,19 +296,30 @@ void Watch::CheckGuard(const RobotState& state) {
 
 void Watch::CheckRest(const RobotState& state) {
   const bool was_moving = last_ && last_->state.robot_mode == RobotMode::kMove;
-  if (was_moving && state.robot_mode == RobotMode::kReflex) since_abort_ = 0;
+  if (was_moving && state.robot_mode == RobotMode::kReflex) {
+    since_abort_ = 0;
+    has_saturated_ = false;
+  }
   if (since_abort_ < 0) return;
   if (state.robot_mode != RobotMode::kReflex) {
     since_abort_ = -1;
     return;
   }
-  const bool may_swing = NeedsBrakes(world_);
+  // What its motors cannot hold, such as a fast load, swings on until the brakes close.
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    has_saturated_ =
+        has_saturated_ || std::abs(state.tau_J_d[i]) > robot_->limits.joints.tau_max[i];
+  }
+  const bool may_swing = NeedsBrakes(world_) || has_saturated_;
   const int most = may_swing ? kMillisecondsToBrakes : kMillisecondsToRest;
   const auto fastest = std::ranges::max(state.dq, {}, [](double dq) { return std::abs(dq); });
   const bool rests = std::abs(fastest) <= kRestSpeed;
+  if (!may_swing && !IsPushed() && state.errors.test(kInstability)) {
+    Note("rest", fmt::format("cycle {}: an arm with its rotors' inertia swings", state.message_id));
+  }
   // What swings may begin to after it has rested.
   if (may_swing && rests) since_abort_ = 0;
-  if (++since_abort_ != most || is_pushed_ || rests) return;
+  if (++since_abort_ != most || IsPushed() || rests) return;
   Note("rest", fmt::format("cycle {}: {} ms after an abort a joint moves at {} rad/s",
                            state.message_id, most, fastest));
 }

@@ -3,10 +3,12 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "campaign/message_watch.h"
 #include "campaign/source_watch.h"
@@ -36,7 +38,7 @@ class Watch final : public record::RecordSink {
   /// @param world  must outlive this. @param may_touch  others may push the arm, too.
   Watch(const scenario::Scenario& world, bool may_touch)
       : world_(world),
-        is_pushed_(may_touch || !world.perturbations.empty()),
+        pushed_from_(may_touch ? std::optional<std::uint64_t>(0) : FirstPush(world)),
         messages_(world, [this](std::string_view invariant,
                                 const auto& finding) { Note(invariant, finding); }),
         source_(world, [this](std::string_view invariant, const auto& finding) {
@@ -51,15 +53,12 @@ class Watch final : public record::RecordSink {
   void Put(const record::CycleRecord& record) noexcept TWIN_REALTIME override;
   void Put(const record::TickRecord& record) noexcept TWIN_REALTIME override;
 
-  /// After the run. @returns the first finding; nullopt: none.
-  [[nodiscard]] std::optional<Finding> End(const run::RunResult& result);
+  /// After the run; of an application there is none.
+  void End(const run::RunResult& result);
 
-  /// So far; of an application, whose end is no run's.
   [[nodiscard]] const std::optional<Finding>& finding() const { return finding_; }
-  /// Measured in the last cycle seen.
-  [[nodiscard]] JointVector q() const { return last_ ? last_->state.q : JointVector{}; }
-  /// Cycles seen.
-  [[nodiscard]] std::uint64_t cycles() const { return cycles_; }
+  /// Measured q of each cycle seen.
+  [[nodiscard]] const std::vector<JointVector>& path() const { return path_; }
   [[nodiscard]] const MessageWatch& messages() const { return messages_; }
 
  private:
@@ -68,7 +67,9 @@ class Watch final : public record::RecordSink {
   void Note(std::string_view invariant, const test::Finding& finding);
   void CheckSpecification(const record::CycleRecord& record);
   void CheckCount(const record::CycleRecord& record);
+  void CheckEngine();
   void CheckReference(const RobotState& before, const RobotState& after, bool violated);
+  void CheckEnergy(const RobotState& state);
   void CheckViability(const record::CycleRecord& record);
   void CheckGuard(const RobotState& state);
   void CheckRest(const RobotState& state);
@@ -78,28 +79,37 @@ class Watch final : public record::RecordSink {
   void CheckContact(const record::CycleRecord& record);
   void CheckHand(const run::RunResult& result);
   void CheckEnd(const run::RunResult& result);
+  void CheckUndisturbed(const run::RunResult& result);
+
+  /// Id of the state from which on a perturbation may act; nullopt: there is none.
+  [[nodiscard]] static std::optional<std::uint64_t> FirstPush(const scenario::Scenario& world);
+  [[nodiscard]] bool IsPushed() const {
+    return pushed_from_ && last_ && last_->state.message_id >= *pushed_from_;
+  }
 
   static constexpr std::size_t kKept = 1024;  ///< ticks, by the id that they answer
 
   const scenario::Scenario& world_;
-  const bool is_pushed_;
+  const std::optional<std::uint64_t> pushed_from_;
   MessageWatch messages_;
   SourceWatch source_;
   std::optional<test::CheckedRobot> robot_;
   std::optional<test::StateChecker> specification_;
   std::optional<plant::ContactWatch> contacts_;  ///< of a motion that must not touch anything
+  std::function<std::string()> engine_warnings_;
   std::optional<Finding> finding_;
   std::optional<record::CycleRecord> last_;
   JointVector q_d_at_end_{};  ///< in the state that ended the motion
   std::array<record::TickRecord, kKept> ticks_{};
-  std::uint64_t cycles_ = 0;
+  std::vector<JointVector> path_;
   run::CycleCounts counts_;  ///< by a recount of its own
   std::uint64_t written_ = 0;
   std::uint64_t skipped_ = 0;  ///< states
   bool has_stalled_ = false;   ///< the source, once: the arm then rejoins it by another way
   std::uint64_t last_tick_ = 0;
   bool finish_served_ = false;
-  int since_abort_ = -1;  ///< cycles since a motion was ended by an error; -1: none was
+  bool has_saturated_ = false;  ///< a motor, since the abort
+  int since_abort_ = -1;        ///< cycles since a motion was ended by an error; -1: none was
 };
 
 }  // namespace twin::campaign

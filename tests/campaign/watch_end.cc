@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -15,6 +16,15 @@ namespace {
 constexpr double kGoalNear = 1e-4;  ///< rad: what is left of the speed at which motions end
 constexpr Duration kHandLate = 12 * kCycle;  ///< from when a command is due to its beginning
 constexpr double kHandNear = 1e-3;           ///< m
+
+/// By INT's joint impedance, of an arm that INT knows, at a rate whose matching lags by 1 mrad or
+/// two.
+bool MustFollow(const scenario::Scenario& world) {
+  const scenario::PlantSection usual;
+  return world.motion.controller == ControllerMode::kJointImpedance &&
+         world.controller.rate_hz >= 500 && world.plant.mass_scale == 1 &&
+         world.plant.base_tilt == usual.base_tilt && world.plant.arm == usual.arm;
+}
 
 }  // namespace
 
@@ -45,6 +55,35 @@ void Watch::CheckHand(const run::RunResult& result) {
   }
 }
 
+void Watch::CheckEngine() {
+  const std::string warnings = engine_warnings_ ? engine_warnings_() : "";
+  if (!warnings.empty()) Note("energy", "the simulation became unsound: " + warnings);
+}
+
+void Watch::CheckUndisturbed(const run::RunResult& result) {
+  constexpr auto kItself = static_cast<std::size_t>(RobotError::kSelfCollisionAvoidanceViolation);
+  const bool is_disturbed = pushed_from_ || !world_.panel.empty() || !world_.limits.empty() ||
+                            world_.base || counts_.held > 0 || counts_.served == 0 || has_stalled_;
+  const bool keeps_limits =
+      world_.tick.generator == loop::Generator::kRejoining && world_.tick.viability;
+  if (is_disturbed || !keeps_limits || world_.robot.load != world_.onboard.load) return;
+  // Of poses, the controller gives up where they are too fast for a joint.
+  if (!world_.motion.poses.empty()) return;
+  const loop::RunReport& report = result.report;
+  const bool succeeded = report.end == backend::MotionEnd::kSuccess && report.failure.empty();
+  const bool may_abort = world_.plant.kind == robot::PlantKind::kMujoco;
+  if (!succeeded && !report.errors.test(kItself) && !(may_abort && report.errors.any())) {
+    Note("finish", fmt::format("nothing disturbs the motion, and it ends with {} ({})",
+                               NameOf(report.end), report.failure));
+  }
+  // A path of joints may be too fast for the end effector.
+  const bool is_led = world_.motion.interface == control::CommandInterface::kCartesianPose &&
+                      result.viability && result.viability->kept_back > 0;
+  if (result.followed.exceeds() && !is_led && MustFollow(world_)) {
+    Note("path", fmt::format("nothing disturbs the motion: {}", result.followed.Excess()));
+  }
+}
+
 void Watch::CheckEnd(const run::RunResult& result) {
   if (result.report.end == backend::MotionEnd::kSuccess && !finish_served_) {
     Note("finish", "the motion succeeded without a finished command");
@@ -68,7 +107,7 @@ void Watch::CheckEnd(const run::RunResult& result) {
   }
 }
 
-std::optional<Finding> Watch::End(const run::RunResult& result) {
+void Watch::End(const run::RunResult& result) {
   const run::CycleCounts& counts = result.counts;
   if (counts.served != counts_.served || counts.held != counts_.held ||
       counts.dropped != counts_.dropped || counts.longest_loss != counts_.longest_loss) {
@@ -91,7 +130,7 @@ std::optional<Finding> Watch::End(const run::RunResult& result) {
   messages_.End();
   CheckHand(result);
   CheckEnd(result);
-  return finding_;
+  CheckUndisturbed(result);
 }
 
 }  // namespace twin::campaign

@@ -107,7 +107,15 @@ Finding FindNotFinite(const RobotState& s) {
                 FindNotFinite("dtheta", s.dtheta),
                 FindNotFinite("tau_ext_hat_filtered", s.tau_ext_hat_filtered),
                 FindNotFinite("O_F_ext_hat_K", s.O_F_ext_hat_K),
-                FindNotFinite("K_F_ext_hat_K", s.K_F_ext_hat_K)});
+                FindNotFinite("K_F_ext_hat_K", s.K_F_ext_hat_K),
+                FindNotFinite("elbow", s.elbow),
+                FindNotFinite("elbow_d", s.elbow_d),
+                FindNotFinite("joint_contact", s.joint_contact),
+                FindNotFinite("cartesian_contact", s.cartesian_contact),
+                FindNotFinite("joint_collision", s.joint_collision),
+                FindNotFinite("cartesian_collision", s.cartesian_collision),
+                FindNotFinite("accelerometer_top", s.accelerometer_top),
+                FindNotFinite("accelerometer_bottom", s.accelerometer_bottom)});
 }
 
 Finding FindInconsistency(const RobotState& before, const RobotState& s) {
