@@ -186,6 +186,22 @@ void CapturePushes(const mjModel& model, const mjData& data, record::SceneRecord
   }
 }
 
+/// Of contacts that were found.
+std::optional<ArmOverlap> DeepestOverlap(const mjModel& model, const mjData& data) {
+  const std::vector<bool> moves = MovingBodies(model);
+  const mjContact* deepest = nullptr;
+  for (const mjContact& contact : std::span(data.contact, static_cast<std::size_t>(data.ncon))) {
+    if (!moves[model.geom_bodyid[contact.geom1]] && !moves[model.geom_bodyid[contact.geom2]])
+      continue;
+    if (deepest == nullptr || contact.dist < deepest->dist) deepest = &contact;
+  }
+  if (deepest == nullptr) return {};
+  const bool is_first = moves[model.geom_bodyid[deepest->geom1]];
+  return ArmOverlap{.part = PartOfShape(model, is_first ? deepest->geom1 : deepest->geom2),
+                    .other = PartOfShape(model, is_first ? deepest->geom2 : deepest->geom1),
+                    .depth = -deepest->dist};
+}
+
 }  // namespace
 
 std::optional<ArmOverlap> ArmOverlapAt(const mjModel& model, const JointVector& q) {
@@ -202,17 +218,18 @@ std::optional<ArmOverlap> ArmOverlapAt(const mjModel& model, const JointVector& 
   mj_kinematics(&model, data.get());
   mj_comPos(&model, data.get());
   mj_collision(&model, data.get());
-  const mjContact* deepest = nullptr;
-  for (const mjContact& contact : std::span(data->contact, static_cast<std::size_t>(data->ncon))) {
-    if (!moves[model.geom_bodyid[contact.geom1]] && !moves[model.geom_bodyid[contact.geom2]])
-      continue;
-    if (deepest == nullptr || contact.dist < deepest->dist) deepest = &contact;
-  }
-  if (deepest == nullptr) return {};
-  const bool is_first = moves[model.geom_bodyid[deepest->geom1]];
-  return ArmOverlap{.part = PartOfShape(model, is_first ? deepest->geom1 : deepest->geom2),
-                    .other = PartOfShape(model, is_first ? deepest->geom2 : deepest->geom1),
-                    .depth = -deepest->dist};
+  return DeepestOverlap(model, *data);
+}
+
+std::optional<ArmOverlap> ArmOverlapNow(const TruthProbe& truth) {
+  return DeepestOverlap(truth.model(), truth.data());
+}
+
+void RequireShallow(const std::optional<ArmOverlap>& overlap, std::string_view what) {
+  if (!overlap || overlap->depth <= Plant::kMostOverlap) return;
+  throw InputError(fmt::format(
+      "{}: there {} would lie at least {:.1f} mm deep in {}; {:.0f} mm at most is a touch", what,
+      overlap->part, 1e3 * overlap->depth, overlap->other, 1e3 * Plant::kMostOverlap));
 }
 
 void CaptureScene(Time now, const TruthProbe& truth, record::SceneRecord& scene) noexcept {

@@ -16,6 +16,7 @@
 #include "twin/core/random.h"
 #include "twin/loop/drive.h"
 #include "twin/loop/robot_listener.h"
+#include "twin/plant/observers.h"
 #include "twin/robot/robot.h"
 #include "twin/scenario/names.h"
 
@@ -82,7 +83,13 @@ Session::Session(const scenario::Scenario& scenario, RobotPlan robot, const Cata
       settings_(settings),
       controllers_(catalogue.controllers),
       summary_(std::make_unique<CycleSummary>(sink)),
-      drive_(MakeDrive(scenario, robot_->config, catalogue.backends, summary_.get(), settings)) {}
+      drive_(MakeDrive(scenario, robot_->config, catalogue.backends, summary_.get(), settings)) {
+  // Robots of a cell, whose others may not have started, are looked at together.
+  const plant::TruthProbe* const truth = drive_->connection().truth;
+  if (truth != nullptr && truth->prefix().empty()) {
+    plant::RequireShallow(plant::ArmOverlapNow(*truth), "the start");
+  }
+}
 
 Session::~Session() {
   static_cast<void>(drive_->End());

@@ -47,6 +47,7 @@ class ServedRobot::Impl {
       robot_ = &wall_clock_.emplace(config, std::move(plant.plant), port_, clock_, thread,
                                     settings.sink);
     }
+    if (engine_ != nullptr) plant::RequireShallow(plant::ArmOverlapNow(*engine_), "the start");
     if (!settings.tell) settings.tell = [](std::string_view) {};
     settings.takes_free_ports ? ListenAnywhere(settings) : Listen(settings);
   }
@@ -86,11 +87,7 @@ class ServedRobot::Impl {
     for (std::size_t i = 0; i < kJoints; ++i) {
       if (!(q[i] >= limits_.q_min[i] && q[i] <= limits_.q_max[i])) return;
     }
-    const auto overlap = plant::ArmOverlapAt(engine_->model(), q);
-    if (!overlap || overlap->depth <= plant::Plant::kMostOverlap) return;
-    throw InputError(fmt::format(
-        "reset: there {} would lie at least {:.1f} mm deep in {}; {:.0f} mm at most is a touch",
-        overlap->part, 1e3 * overlap->depth, overlap->other, 1e3 * plant::Plant::kMostOverlap));
+    plant::RequireShallow(plant::ArmOverlapAt(engine_->model(), q), "reset");
   }
   void PressUserStop(bool pressed) {
     static_cast<void>(

@@ -126,6 +126,7 @@ class DiskFaultsTest(unittest.TestCase):
         self.out = self.box / "out"
         self.out.mkdir(parents=True)
         self.beside.mkdir()
+        self.program = "panda-twin"  # whose calls fail
         for folder in (self.out, self.beside):
             (folder / "notes.txt").write_text("the user's\n")
         self.write("scenario.yaml", SHORT % "ideal")
@@ -150,7 +151,7 @@ class DiskFaultsTest(unittest.TestCase):
         self.report.unlink(missing_ok=True)
         done = self.call(*self.arguments, LD_PRELOAD=LIBRARY, TWIN_FAULT_FOLDER=str(self.box), TWIN_FAULT_REPORT=str(self.report),
                          TWIN_FAULT_AT=str(at), TWIN_FAULT_KIND=fault.kind, TWIN_FAULT_CALLS=",".join(fault.calls),
-                         TWIN_FAULT_STICKY=str(int(fault.sticky)))
+                         TWIN_FAULT_STICKY=str(int(fault.sticky)), TWIN_FAULT_PROGRAM=self.program)
         lines = [line.split(" ", 2) for line in self.report.read_text().splitlines()] if self.report.exists() else []
         calls = [(number, Call(name, pathlib.Path(path))) for number, name, path in lines]
         return done, [c for _, c in calls], [c for number, c in calls if number == "!"]
@@ -352,11 +353,50 @@ class DiskFaultsTest(unittest.TestCase):
                      ["run.mcap", "summary.json", "report.html", "timing.json"])
         self.strike_all()
 
-    def test_sweep(self):
+    def shipped_arguments(self, file, *flags):
+        return ["run", SOURCE / "models" / file, "--out", self.out, "--data", SOURCE / "models", "--no-video", *flags]
+
+    def test_application(self):
+        self.prepare(self.shipped_arguments("applications/plan_and_execute.yaml"), ["timing.json", "state"])
+        self.strike_all(sample=2)
+
+    def test_seeds_of_an_application(self):
+        self.prepare(self.shipped_arguments("applications/plan_and_execute.yaml", "--seeds", "2"), ["timing.json", "state"])
+        self.strike_all(sample=1)
+
+    def test_cell(self):
+        self.prepare(self.shipped_arguments("cells/two_arms.yaml"), ["timing.json", "state"])
+        self.strike_all(sample=2)
+
+    def test_render_a_picture(self):
+        self.write("scenario.yaml", SHORT % "mujoco")
+        self.prepare(["render", self.record(), "--data", SOURCE / "models", "--at", "0.1", "--size", "64x48", "--out", self.out / "a.png"])
+        self.strike_all(sample=4)
+
+    def test_render_pictures(self):
+        self.write("scenario.yaml", SHORT % "mujoco")
+        self.prepare(["render", self.record(), "--data", SOURCE / "models", "--fps", "20", "--size", "64x48", "--out", self.out / "pictures/"])
+        self.strike_all(sample=2)
+
+    def test_excite(self):
+        self.program = "python"
+        self.prepare(["excite", "--for", "load", "--seconds", "6", "--terms", "2", "--out", self.out])
+        self.strike_all(sample=1)
+
+    def sweep_arguments(self, what, *flags):
         sweep = self.write("sweep.yaml", SWEEP)
-        self.prepare(["sweep", "run", sweep, "--out", self.out, "--data", SOURCE / "models", "--jobs", "1"],
-                     ["timing.json"], older=False)  # a result that is there is not made again
+        return ["sweep", what, sweep, "--out", self.out, "--data", SOURCE / "models", *flags]
+
+    def test_sweep(self):
+        self.prepare(self.sweep_arguments("run", "--jobs", "1"), ["timing.json"], older=False)  # what is there is not made again
         self.strike_all()
+
+    def test_merge_of_a_sweep(self):
+        self.good(*self.sweep_arguments("run", "--jobs", "1"))
+        for name in ("report.html", "summary.json"):
+            (self.out / name).unlink(missing_ok=True)
+        self.prepare(self.sweep_arguments("merge"))
+        self.strike_all(sample=4)
 
 
 if __name__ == "__main__":

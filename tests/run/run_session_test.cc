@@ -184,5 +184,17 @@ TEST_F(SessionTest, NeedsNoMotionOfTheScenariosButAPlaceToRest) {
   EXPECT_NO_THROW((void)Open(scenario));
 }
 
+/// Campaign, worlds 353190, 356726, 357246, 364968: it was flung apart in its first cycle.
+TEST_F(SessionTest, AnArmDoesNotStartWithinItself) {
+  scenario::Scenario scenario = test::Standing();
+  scenario.motion.waypoints.clear();
+  scenario.plant.kind = robot::PlantKind::kMujoco;
+  scenario.robot.q_start = {-0.2088, -0.3707, 0.3834, -2.9844, -0.3372, 0.9397, 0.2327};
+  EXPECT_THAT([&] { (void)Open(scenario); },
+              ThrowsMessage<InputError>(HasSubstr("mm deep in panda_")));
+  scenario.robot.q_start = test::kRest;
+  EXPECT_NO_THROW((void)Open(scenario));
+}
+
 }  // namespace
 }  // namespace twin::run::run_session_test

@@ -403,6 +403,13 @@ class ProgramTest(ServeTest):
         server = self.serve("--for", 0.1)
         self.assertEqual(server.process.wait(fci.LIMIT), 0)
 
+    def test_an_arm_does_not_start_within_itself(self):
+        scenario = pathlib.Path(self.folder) / "within.yaml"
+        scenario.write_text("name: within\nrobot: {q_start: {unit: rad, values: [-0.2088, -0.3707, 0.3834, -2.9844, -0.3372, 0.9397, 0.2327]}}\n")
+        done = subprocess.run([PROGRAM, "serve", scenario, "--port", "0", "--hand-port", "0", "--for", "1"], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 3, done.stderr)
+        self.assertRegex(done.stderr, r"^panda-twin: error: the start: there panda_\w+ would lie at least \d+\.\d mm deep in panda_\w+; 1 mm at most is a touch\n$")
+
     def test_an_interrupt_ends_it_and_resets_who_waits(self):
         for how in (signal.SIGINT, signal.SIGTERM):
             server = self.serve()

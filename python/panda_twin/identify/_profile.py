@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from .._whole_files import write_whole
 from ..model import Q_READY
 from ..scenario import Scenario
 from ._model import FRICTION, body_of
@@ -142,12 +143,6 @@ def write_profile(profile: dict[str, Any], file: str | os.PathLike[str]) -> path
         Scenario(**robot).replace(profile["scenario"])
     except ValueError as error:
         raise ValueError(f"{path}: not written, for no scenario takes what was identified: {error}; the log does not fit a Panda, or tells too little") from None
-    path.parent.mkdir(parents=True, exist_ok=True)
     text = "# A robot's profile: a scenario names it by robot: {profile: FILE}.\n" + yaml_text(profile)
-    partial = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        partial.write_text(text, encoding="utf-8")
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
+    write_whole(path.parent, {path.name: text})
     return path

@@ -17,6 +17,7 @@ import numpy as np
 
 from ... import _host, model
 from ..._command import exit_code_of
+from ..._whole_files import write_whole
 from ...scenario import Scenario, validate
 from .._model import TwinModel, body_of
 from .._yaml import read_yaml
@@ -137,12 +138,11 @@ def write_motion(found: Design, robot: Scenario, out: pathlib.Path) -> pathlib.P
     t, q = found.points()
     table = np.column_stack([t, q])
     lines = [",".join(_NAMES), *(",".join(f"{x:.12g}" for x in row) for row in table)]
-    (out / "trajectory.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    path = out / "scenario.yaml"
     head = ("# Designed by panda-twin excite; expected.json beside it says what its log will tell. On a robot:\n"
             "# panda-twin run THIS --backend fci --robot HOST, or backend: fci below.\n")  # fmt: skip
-    path.write_text(head + robot._loaded.text.rstrip() + "\nmotion: {trajectory: trajectory.csv}\n", encoding="utf-8")
-    return path
+    scenario = head + robot._loaded.text.rstrip() + "\nmotion: {trajectory: trajectory.csv}\n"
+    write_whole(out, {"trajectory.csv": "\n".join(lines) + "\n", "scenario.yaml": scenario})
+    return out / "scenario.yaml"
 
 
 def _told(value: float) -> float | None:
@@ -219,7 +219,6 @@ def excite(options: argparse.Namespace, run_flags: Sequence[str]) -> None:
     panda = model._panda()
     bounds = bounds_of(np.array(panda["Q_MIN"]), np.array(panda["Q_MAX"]), options.speed, clearance.joint_speed)
     out = options.out or pathlib.Path("out") / f"excite_{options.kind}"
-    out.mkdir(parents=True, exist_ok=True)
     checked: list[str] = []
 
     def check(found: Design) -> None:
@@ -227,7 +226,7 @@ def excite(options: argparse.Namespace, run_flags: Sequence[str]) -> None:
 
     found = freed(design(options.kind, series, bounds, clearance, twin, options.noise, options.seed), check)
     facts = expectation(options.kind, found, twin, options.noise)
-    (out / "expected.json").write_text(json.dumps(facts, indent=1) + "\n", encoding="utf-8")
+    write_whole(out, {"expected.json": json.dumps(facts, indent=1) + "\n"})
     if not options.quiet:
         print(checked[0].rstrip())
         print(_table(facts))

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
-import os
 import pathlib
 from typing import TYPE_CHECKING
 
+from ..._whole_files import write_whole
 from ._summary import headline, in_detail, number, percent, summary, untold_of, values_after, values_before
 
 if TYPE_CHECKING:
@@ -34,17 +34,7 @@ def write_report(comparison: Comparison, folder: pathlib.Path) -> pathlib.Path:
         "summary.json": json.dumps(summary(comparison), indent=1, ensure_ascii=False, allow_nan=False) + "\n",
         "report.html": page(comparison),
     }
-    folder.mkdir(parents=True, exist_ok=True)
-    parts = {name: folder / f".{name}.{os.getpid()}" for name in texts}
-    try:
-        for name, text in texts.items():
-            # A name of a file that is no UTF-8 comes as surrogates.
-            parts[name].write_text(text, encoding="utf-8", errors="replace")
-        for name, part in parts.items():
-            part.replace(folder / name)
-    finally:
-        for part in parts.values():
-            part.unlink(missing_ok=True)
+    write_whole(folder, texts)
     return folder / "report.html"
 
 
