@@ -151,7 +151,7 @@ Outcome RunOnce(const scenario::Scenario& world, const run::Catalogue& catalogue
 Outcome RunWorld(const scenario::Scenario& world, const run::Catalogue& catalogue,
                  const run::RunFiles& files, bool repeats) {
   Outcome outcome = RunOnce(world, catalogue, files);
-  outcome.path = {};
+  outcome.path = std::vector<JointVector>();  // {} would keep its memory
   if (outcome.finding || !outcome.refusal.empty() || !repeats) return outcome;
   outcome.finding = Repeat(world, outcome.states_hash, catalogue, files);
   if (!outcome.finding) outcome.finding = Reseed(world, outcome.chance, catalogue, files);
