@@ -168,10 +168,11 @@ class Campaign {
       }
     }
     Report();
-    totals_.RequireRuns(!around_);
     const std::optional<Finding> of_losses = totals_.JudgeLosses();
     if (of_losses) Tell("all worlds together", *of_losses);
-    return totals_.findings.empty() && !of_losses ? 0 : kExitFinding;
+    if (of_losses || !totals_.findings.empty()) return kExitFinding;
+    totals_.RequireRuns(!around_);
+    return 0;
   }
 
  private:
