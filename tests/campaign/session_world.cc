@@ -70,12 +70,11 @@ class ToldMotions {
 class SessionWorld {
  public:
   explicit SessionWorld(std::uint64_t seed) : dice_(seed) {
-    Dice own(~seed);  // so that what clients do depends on neither
-    const bool has_pump = own.Chance(0.25);
-    robot::RobotConfig config = test::HarnessRobot(
-        own.Chance(0.25) ? robot::PlantKind::kMujoco : robot::PlantKind::kIdeal);
+    robot::RobotConfig config = test::HarnessRobot(robot::PlantKind::kIdeal);
     config.onboard.collision_behavior = scenario::NoCollisionBehavior();
-    config.plant.hand = has_pump ? plant::HandKind::kCobotPump : plant::HandKind::kFrankaHand;
+    // Of dice of its own: sessions with a hand do not depend on it.
+    config.plant.hand =
+        Dice(~seed).Chance(0.25) ? plant::HandKind::kCobotPump : plant::HandKind::kFrankaHand;
     server::ServedRobotSettings settings{.takes_free_ports = true, .sink = &watch_};
     settings.tell = [this](std::string_view line) { told_.Take(line); };
     // Longer than any client's patience: the server itself has to end what a client leaves.
