@@ -12,7 +12,7 @@ one on, fail as on a full, broken, read-only or foreign disk, or the program is 
 - the input, a file of the user's among the results, and all beside that folder are as they were;
 - the same command without a fault then succeeds.
 
-Without --all, a sample by the seed $TWIN_FAULT_SEED. Faults that other tests have: a file that may not grow
+Without --all, a sample by the seed $TWIN_FAULT_SEED, and not of what takes long. Faults that other tests have: a file that may not grow
 (tests/cli/cli_faults_test.py, tests/server/serve_files_test.py), killed with ffmpeg at work (tests/cli/killed_video_test.py), a
 small disk under a video (tests/render/video_faults_test.cc), sweeps killed at random moments (tests/cli/sweep_test.py).
 """
@@ -402,4 +402,6 @@ class DiskFaultsTest(unittest.TestCase):
 if __name__ == "__main__":
     PROGRAM, SOURCE, LIBRARY = sys.argv[1], pathlib.Path(sys.argv[2]), sys.argv[3]
     ALL = "--all" in sys.argv
+    if not ALL:  # they take CI too long
+        del DiskFaultsTest.test_excite, DiskFaultsTest.test_seeds_of_an_application
     unittest.main(argv=[sys.argv[0], *(argument for argument in sys.argv[4:] if argument != "--all")])
