@@ -186,9 +186,9 @@ void CapturePushes(const mjModel& model, const mjData& data, record::SceneRecord
   }
 }
 
-/// Of contacts that were found.
-std::optional<ArmOverlap> DeepestOverlap(const mjModel& model, const mjData& data) {
-  const std::vector<bool> moves = MovingBodies(model);
+/// Of contacts that were found. @param moves  whether a body is the arm's.
+std::optional<ArmOverlap> DeepestOverlap(const mjModel& model, const mjData& data,
+                                         const std::vector<bool>& moves) {
   const mjContact* deepest = nullptr;
   for (const mjContact& contact : std::span(data.contact, static_cast<std::size_t>(data.ncon))) {
     if (!moves[model.geom_bodyid[contact.geom1]] && !moves[model.geom_bodyid[contact.geom2]])
@@ -218,11 +218,7 @@ std::optional<ArmOverlap> ArmOverlapAt(const mjModel& model, const JointVector& 
   mj_kinematics(&model, data.get());
   mj_comPos(&model, data.get());
   mj_collision(&model, data.get());
-  return DeepestOverlap(model, *data);
-}
-
-std::optional<ArmOverlap> ArmOverlapNow(const TruthProbe& truth) {
-  return DeepestOverlap(truth.model(), truth.data());
+  return DeepestOverlap(model, *data, moves);
 }
 
 void RequireShallow(const std::optional<ArmOverlap>& overlap, std::string_view what) {
@@ -230,6 +226,12 @@ void RequireShallow(const std::optional<ArmOverlap>& overlap, std::string_view w
   throw InputError(fmt::format(
       "{}: there {} would lie at least {:.1f} mm deep in {}; {:.0f} mm at most is a touch", what,
       overlap->part, 1e3 * overlap->depth, overlap->other, 1e3 * Plant::kMostOverlap));
+}
+
+void RequireFreeStart(const TruthProbe& truth) {
+  if (!truth.prefix().empty()) return;
+  RequireShallow(DeepestOverlap(truth.model(), truth.data(), MovingBodies(truth.model())),
+                 "the start");
 }
 
 void CaptureScene(Time now, const TruthProbe& truth, record::SceneRecord& scene) noexcept {

@@ -84,10 +84,8 @@ Session::Session(const scenario::Scenario& scenario, RobotPlan robot, const Cata
       controllers_(catalogue.controllers),
       summary_(std::make_unique<CycleSummary>(sink)),
       drive_(MakeDrive(scenario, robot_->config, catalogue.backends, summary_.get(), settings)) {
-  // Robots of a cell, whose others may not have started, are looked at together.
-  const plant::TruthProbe* const truth = drive_->connection().truth;
-  if (truth != nullptr && truth->prefix().empty()) {
-    plant::RequireShallow(plant::ArmOverlapNow(*truth), "the start");
+  if (const plant::TruthProbe* const truth = drive_->connection().truth) {
+    plant::RequireFreeStart(*truth);
   }
 }
 

@@ -47,7 +47,7 @@ class ServedRobot::Impl {
       robot_ = &wall_clock_.emplace(config, std::move(plant.plant), port_, clock_, thread,
                                     settings.sink);
     }
-    if (engine_ != nullptr) plant::RequireShallow(plant::ArmOverlapNow(*engine_), "the start");
+    if (engine_ != nullptr) plant::RequireFreeStart(*engine_);
     if (!settings.tell) settings.tell = [](std::string_view) {};
     settings.takes_free_ports ? ListenAnywhere(settings) : Listen(settings);
   }

@@ -88,10 +88,11 @@ struct ArmOverlap {
 /// With the arm at `q` (rad) and all else as the model begins; nullopt: it touches nothing, or
 /// stands on a mobile base, whose start the model does not have. Threads: any. Not real-time.
 [[nodiscard]] std::optional<ArmOverlap> ArmOverlapAt(const mjModel_& model, const JointVector& q);
-/// The same as everything is now. Threads: the plant's.
-[[nodiscard]] std::optional<ArmOverlap> ArmOverlapNow(const TruthProbe& truth);
 /// @throws InputError if it is deeper than Plant::kMostOverlap. @param what  is the cause, for it.
 void RequireShallow(const std::optional<ArmOverlap>& overlap, std::string_view what);
+/// The same of a robot where it has been put to start; not of one of a cell, whose others may not
+/// have been. Threads: the plant's. @throws InputError likewise.
+void RequireFreeStart(const TruthProbe& truth);
 
 /// Captures poses and forces: contacts with a force, in the engine's order, and pushes on bodies,
 /// each as one force on the line that gives its moment about the body's centre of mass (a pure
