@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "twin/core/error.h"
-#include "twin/teleop/operator_ranges.h"
 #include "twin/teleop/operator_script.h"
 
 namespace twin::devices {
@@ -23,17 +22,6 @@ OperatorSample EndAfter(const OperatorSample& last) {
   return end;
 }
 
-bool HasPresses(const OperatorSample& sample) {
-  return std::ranges::any_of(teleop::kPresses, [&](auto presses) { return sample.*presses > 0; });
-}
-
-/// The sample before a first row with presses: same pose, at rest, no presses.
-OperatorSample RestBefore(const OperatorSample& first) {
-  OperatorSample rest{.kind = first.kind, .engaged = first.engaged};
-  if (first.kind == teleop::AxisKind::kPose) rest.axes = first.axes;
-  return rest;
-}
-
 }  // namespace
 
 ScriptDevice::ScriptDevice(std::vector<OperatorSample> samples, std::string name,
@@ -42,18 +30,11 @@ ScriptDevice::ScriptDevice(std::vector<OperatorSample> samples, std::string name
   TWIN_CHECK(!samples_.empty());
   const bool is_ended = samples_.back().end_presses > 0;
   if (settings.ends && !is_ended) samples_.push_back(EndAfter(samples_.back()));
-  has_lead_ = HasPresses(samples_.front());
-  if (!has_lead_) return;
-  const Duration late = std::max(Time(kLead) - samples_.front().at, Duration::zero());
-  for (OperatorSample& sample : samples_) sample.at += late;
-  samples_.insert(samples_.begin(), RestBefore(samples_.front()));
 }
 
 Duration ScriptDevice::Pause() const noexcept {
   if (next_ == 0) return Duration::zero();
-  const bool leads_in = has_lead_ && next_ == 1;
-  const bool ends = next_ == samples_.size();
-  return leads_in || ends ? kHeartbeat : repeat_;
+  return next_ == samples_.size() ? kHeartbeat : repeat_;
 }
 
 OperatorSample ScriptDevice::Give(Time now) noexcept {

@@ -28,11 +28,8 @@ struct ScriptSettings {
 /// the first Read(). Depends only on the script and the times of Read().
 ///
 /// Between two calls only the newest sample is given; presses are counters, so none is missed.
-/// Samples that a wire could lose are repeated, with new sequences, every kHeartbeat: the end's
-/// press in the last sample, for kEndLasts; and, before a first row with presses, a sample at rest
-/// without them as the reference of the counters. That first row is given kLead or more after the
-/// first Read(); the other rows keep their distance from it. lost(): permanently after the last
-/// sample, or after kEndLasts.
+/// A wire could lose the end's press in the last sample: it is repeated, with new sequences, every
+/// kHeartbeat for kEndLasts. lost(): permanently after the last sample, or after kEndLasts.
 ///
 /// Threads: Read() and Feel() from one; lost() from any. Real-time: as Device.
 class ScriptDevice final : public teleop::Device {
@@ -41,7 +38,6 @@ class ScriptDevice final : public teleop::Device {
   static constexpr Duration kEndAfter = std::chrono::milliseconds(100);
   static constexpr Duration kHeartbeat = std::chrono::milliseconds(33);
   static constexpr Duration kEndLasts = std::chrono::seconds(5);
-  static constexpr Duration kLead = std::chrono::milliseconds(330);
 
   /// @param samples  as from ReadOperatorScript. @param name  for users.
   /// @pre samples are not empty.
@@ -63,7 +59,6 @@ class ScriptDevice final : public teleop::Device {
   std::vector<teleop::OperatorSample> samples_;
   const std::string name_;
   const Duration repeat_;
-  bool has_lead_ = false;       ///< the first sample precedes a row with presses
   std::optional<Time> begun_;   ///< time of the first Read()
   Time given_{};                ///< time of the last given sample
   std::size_t next_ = 0;        ///< next sample to give

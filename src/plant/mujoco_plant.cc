@@ -16,6 +16,7 @@
 #include "plant/engine_world.h"
 #include "plant/model_builder.h"
 #include "plant/model_sources.h"
+#include "plant/part_names.h"
 #include "twin/core/error.h"
 #include "twin/plant/compiled_model.h"
 #include "twin/plant/engine.h"
@@ -293,30 +294,12 @@ std::optional<ArmOverlap> ArmsOverlap(std::span<const MujocoPlantOptions> arms,
     const ModelSources sources = ReadModelSources(arms);
     EngineWorld world(arms, sources, LoadOrBuild(arms.front(), sources), {});
     for (std::size_t i = 0; i < arms.size(); ++i) world.Reset(i, q[i]);
-    const mjModel& model = world.model();
-    std::vector<std::size_t> arm_of_geom;
-    for (int geom = 0; geom < model.ngeom; ++geom) {
-      const char* const name = mj_id2name(&model, mjOBJ_BODY, model.geom_bodyid[geom]);
-      std::size_t i = 0;
-      while (i < arms.size() &&
-             (name == nullptr || !std::string_view(name).starts_with(arms[i].prefix))) {
-        ++i;
-      }
-      arm_of_geom.push_back(i);
+    std::vector<bool> moves(static_cast<std::size_t>(world.model().nbody));
+    for (const MujocoPlantOptions& arm : arms) {
+      const std::vector<bool> with_it = MovingBodies(world.model(), arm.prefix);
+      for (std::size_t i = 0; i < moves.size(); ++i) moves[i] = moves[i] || with_it[i];
     }
-    std::optional<ArmOverlap> deepest;
-    for (const mjContact& contact :
-         std::span(world.data().contact, static_cast<std::size_t>(world.data().ncon))) {
-      int first = contact.geom1;
-      int second = contact.geom2;
-      if (arm_of_geom[first] > arm_of_geom[second]) std::swap(first, second);
-      if (arm_of_geom[first] == arm_of_geom[second] || arm_of_geom[second] == arms.size()) continue;
-      if (deepest && deepest->depth >= -contact.dist) continue;
-      deepest = {.part = PartOfShape(model, first),
-                 .other = PartOfShape(model, second),
-                 .depth = -contact.dist};
-    }
-    return deepest;
+    return DeepestOverlap(world.model(), world.data(), moves);
   });
 }
 

@@ -186,7 +186,8 @@ void CapturePushes(const mjModel& model, const mjData& data, record::SceneRecord
   }
 }
 
-/// Of contacts that were found. @param moves  whether a body is the arm's.
+}  // namespace
+
 std::optional<ArmOverlap> DeepestOverlap(const mjModel& model, const mjData& data,
                                          const std::vector<bool>& moves) {
   const mjContact* deepest = nullptr;
@@ -201,8 +202,6 @@ std::optional<ArmOverlap> DeepestOverlap(const mjModel& model, const mjData& dat
                     .other = PartOfShape(model, is_first ? deepest->geom2 : deepest->geom1),
                     .depth = -deepest->dist};
 }
-
-}  // namespace
 
 std::optional<ArmOverlap> ArmOverlapAt(const mjModel& model, const JointVector& q) {
   const int root = RobotRoot(model);

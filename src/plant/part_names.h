@@ -1,10 +1,13 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <mujoco/mujoco.h>
+
+#include "twin/plant/observers.h"
 
 namespace twin::plant {
 
@@ -23,5 +26,9 @@ struct ModelParts {
 /// By body: whether it moves with the arm, from its first moving link on, or with a mobile base,
 /// except for the wheels, which always touch the ground.
 [[nodiscard]] std::vector<bool> MovingBodies(const mjModel& model, const std::string& prefix = {});
+
+/// The deepest contact in `data` of bodies that move with an arm. @param moves  as MovingBodies().
+[[nodiscard]] std::optional<ArmOverlap> DeepestOverlap(const mjModel& model, const mjData& data,
+                                                       const std::vector<bool>& moves);
 
 }  // namespace twin::plant

@@ -4,12 +4,14 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <ranges>
 #include <string>
 
 #include <fmt/format.h>
 
 #include "twin/core/error.h"
 #include "twin/plant/compiled_model.h"
+#include "twin/plant/plant.h"
 #include "twin/plant/shared_model.h"
 #include "twin/run/robot_config.h"
 #include "twin/scenario/objects.h"
@@ -192,9 +194,11 @@ void RequireApartAtStart(const scenario::Cell& cell, const RunFiles& files) {
     starts.push_back(StartOf(robot.scenario));
   }
   const auto overlap = plant::ArmsOverlap(plants, starts);
-  if (!overlap) return;
-  const auto whose = std::ranges::find_if(cell.robots, [&](const scenario::CellRobot& robot) {
-    return overlap->other.starts_with(PrefixOf(robot));
+  if (!overlap || overlap->depth <= plant::Plant::kMostOverlap) return;
+  const auto robots = cell.robots | std::views::reverse;  // the later of two is to give way
+  const auto whose = std::ranges::find_if(robots, [&](const scenario::CellRobot& robot) {
+    const std::string prefix = PrefixOf(robot);
+    return overlap->part.starts_with(prefix) || overlap->other.starts_with(prefix);
   });
   throw InputError(fmt::format(
       "{}: robots: where they start, {} and {} overlap by {:.1f} mm; put the robots further apart "

@@ -76,6 +76,7 @@ class OperatorPage::Recording {
   page::OperatorChannel& channel_;  ///< whose feedback tells in which mode a recording begins
   const std::function<void(std::string_view)>& note_;
   const MonotonicClock clock_;
+  teleop::OperatorSample newest_;
   std::filesystem::path path_;  ///< of the recording that goes on
   std::unique_ptr<teleop::RecordingDevice> recording_;
 };
@@ -92,6 +93,7 @@ std::string OperatorPage::Recording::Switch(bool on) {
 }
 
 void OperatorPage::Recording::Take(const teleop::OperatorSample& sample) {
+  newest_ = sample;
   if (!recording_) return;
   if (const auto* feedback = channel_.Feedback()) recording_->Feel(*feedback);
   recording_->Record(sample, clock_.Now());
@@ -104,7 +106,7 @@ std::string OperatorPage::Recording::Begin() {
     path_ = folder_ / fmt::format("operator_{}.csv", i);
     if (!std::filesystem::exists(path_, ignored)) break;
   }
-  recording_ = std::make_unique<teleop::RecordingDevice>(nullptr, path_, note_);
+  recording_ = std::make_unique<teleop::RecordingDevice>(nullptr, path_, note_, newest_);
   return fmt::format("recording what the operator does into {}", path_.string());
 }
 

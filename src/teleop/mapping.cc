@@ -37,8 +37,6 @@ void Mapping::Begin(bool has_base) noexcept {
 }
 
 void Mapping::Count(const OperatorSample& sample) noexcept {
-  if (!has_counted_) last_ = sample;
-  has_counted_ = true;
   const bool turns_joints = JointOf(sample) != 0;
   if (sample.kind != last_.kind || turns_joints != (JointOf(last_) != 0)) is_open_ = false;
   const auto since = [&](std::uint32_t OperatorSample::*counter) {

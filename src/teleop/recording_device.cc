@@ -32,10 +32,11 @@ const std::filesystem::path& NewFile(const std::filesystem::path& path) {
 }  // namespace
 
 RecordingDevice::RecordingDevice(std::unique_ptr<Device> device, const std::filesystem::path& path,
-                                 Tell tell, std::size_t ring_size)
+                                 Tell tell, const OperatorSample& before, std::size_t ring_size)
     : device_(std::move(device)),
       tell_(std::move(tell)),
       file_(NewFile(path), record::PartialFile::Leftover::kKeep),
+      before_(before),
       ring_(ring_size) {
   Append(file_, OperatorScriptHeader());
   thread_ = std::jthread([this](const std::stop_token& stop) { WriteAll(stop); });
@@ -70,13 +71,13 @@ void RecordingDevice::Record(const OperatorSample& sample, Time now) noexcept {
 }
 
 void RecordingDevice::Count(const OperatorSample& sample) noexcept {
-  if (!before_) {
-    before_ = sample;
+  const bool is_first = last_ < Time{};
+  if (is_first) {
     counted_.mode_presses = felt_.mode == Mode::kBase ? 1 : 0;
     counted_.scale_presses = felt_.fine ? 1 : 0;
   }
   for (const auto presses : kPresses) {
-    counted_.*presses += PressesSince((*before_).*presses, sample.*presses);
+    counted_.*presses += PressesSince(before_.*presses, sample.*presses);
   }
   before_ = sample;
 }

@@ -7,11 +7,11 @@
 
 namespace twin::campaign {
 
-/// Whether the world of this seed is an application that comes with the program: one of 256.
+/// Whether the world of this seed is an application that comes with the program: one of 128.
 [[nodiscard]] bool IsApplicationWorld(std::uint64_t seed);
 
 /// That world: one of the applications, teleoperation by a scripted person on a mobile base among
-/// them.
+/// them; one of two is led by people at an operator's page (page_people.h).
 /// @param models  the folder of models.
 [[nodiscard]] scenario::Scenario DrawApplicationWorld(std::uint64_t seed,
                                                       const std::filesystem::path& models);

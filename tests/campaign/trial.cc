@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "campaign/first_difference.h"
+#include "campaign/page_people.h"
 #include "campaign/record_hash.h"
 #include "twin/application/application.h"
 #include "twin/core/clock.h"
@@ -28,12 +29,15 @@ struct ApplicationEnd {
   std::uint64_t states_hash = 0;
 };
 
-/// Carries out a world's application.
+/// Carries out a world's application. @param of_people  what they violated at the operator's page.
 ApplicationEnd ExecuteApplication(const scenario::Scenario& world, const run::Catalogue& catalogue,
                                   const run::RunFiles& files, record::RecordSink* sink,
+                                  std::optional<Finding>& of_people,
                                   const application::Partners* partners = nullptr) {
   const MonotonicClock clock;  // which only tells how long planning takes
-  application::ApplicationRun run(world, catalogue, files, sink, clock, {}, partners);
+  const teleop::DeviceRegistry devices = DevicesOfPeople(of_people);
+  const run::Catalogue own{catalogue.backends, catalogue.controllers, &devices};
+  application::ApplicationRun run(world, own, files, sink, clock, {}, partners);
   const application::TaskResult& task = run.Execute({});
   return {task.task.failure, run.session_result().states_hash};
 }
@@ -41,7 +45,10 @@ ApplicationEnd ExecuteApplication(const scenario::Scenario& world, const run::Ca
 /// The states of a world without a watch, and with pushes in another order.
 std::uint64_t StatesAgain(scenario::Scenario world, const run::Catalogue& catalogue,
                           const run::RunFiles& files) {
-  if (world.application) return ExecuteApplication(world, catalogue, files, nullptr).states_hash;
+  if (world.application) {
+    std::optional<Finding> again;
+    return ExecuteApplication(world, catalogue, files, nullptr, again).states_hash;
+  }
   // A sum of two forces has no order; one of more rounds by it.
   if (world.perturbations.size() == 2) std::ranges::reverse(world.perturbations);
   return run::Run(world, catalogue, files, nullptr).Execute().states_hash;
@@ -111,13 +118,14 @@ std::optional<Finding> Reseed(scenario::Scenario world, const Chance& chance,
 Outcome RunOnce(const scenario::Scenario& world, const run::Catalogue& catalogue,
                 const run::RunFiles& files, bool may_touch, const application::Partners* partners) {
   Outcome outcome;
+  std::optional<Finding> of_people;
   Watch watch(world, may_touch);
   const backend::Registry watched = watch.Watched(catalogue.backends);
   try {
     world.Validate();
     const run::Catalogue own{watched, catalogue.controllers, catalogue.devices};
     if (world.application) {
-      const ApplicationEnd end = ExecuteApplication(world, own, files, &watch, partners);
+      const ApplicationEnd end = ExecuteApplication(world, own, files, &watch, of_people, partners);
       outcome.failure = end.failure;
       outcome.end = world.application->type + (end.failure.empty() ? ": success" : ": failure");
       outcome.states_hash = end.states_hash;
@@ -139,6 +147,7 @@ Outcome RunOnce(const scenario::Scenario& world, const run::Catalogue& catalogue
   } catch (const std::exception& error) {
     outcome.finding = Finding{"errors", error.what()};
   }
+  if (of_people) outcome.finding = of_people;
   if (watch.finding()) outcome.finding = watch.finding();  // also of a run that was broken off
   outcome.cycles = watch.path().size();
   outcome.path = watch.path();

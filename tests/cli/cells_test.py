@@ -163,6 +163,8 @@ class CellsTest(unittest.TestCase):
         facing = robot("left", 0.3) + robot("right", -0.3).replace("-0.3 m, 0 m]", "-0.3 m, 0 m], yaw: 180 deg")
         message = self.refuse(cell(facing.replace("[0 m, 0.3 m", "[0 m, 0 m").replace("[0 m, -0.3 m", "[0.7 m, 0 m")))
         self.assertRegex(message, r"bad.yaml:14: robots: where they start, left/panda_\w+ and right/panda_\w+ overlap by")
+        inside = two.replace(READY, "[-0.593, -0.548, -0.380, -2.977, 0.060, 1.016, 1.251]", 1)
+        self.assertRegex(self.refuse(inside), r"bad.yaml:3: robots: where they start, left/panda_\w+ and left/panda_link\d overlap by")
         self.assertIn("several robots", self.refuse(two, "--seeds", "2"))
         self.assertIn("--drive realtime", self.refuse(two, "--ext-cpu", "0"))
         self.assertIn("several robots", self.refuse(two, "--load", command="validate"))

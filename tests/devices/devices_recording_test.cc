@@ -80,7 +80,7 @@ class Given final : public teleop::Device {
 TEST_F(RecordingDeviceTest, PressesNothingWhenACounterFalls) {
   OperatorSample sample{.sequence = 1, .gripper_presses = 5};
   {
-    teleop::RecordingDevice device(std::make_unique<Given>(sample), path(), {});
+    teleop::RecordingDevice device(std::make_unique<Given>(sample), path(), {}, sample);
     static_cast<void>(device.Read(Time(0ms)));
     sample.gripper_presses = 0;
     static_cast<void>(device.Read(Time(1ms)));
@@ -97,7 +97,7 @@ TEST_F(RecordingDeviceTest, PressesNothingWhenACounterFalls) {
 TEST_F(RecordingDeviceTest, BeginsInTheModeAndScaleInWhichThingsAre) {
   OperatorSample sample{.sequence = 1, .mode_presses = 3, .scale_presses = 1};
   {
-    teleop::RecordingDevice device(std::make_unique<Given>(sample), path(), {});
+    teleop::RecordingDevice device(std::make_unique<Given>(sample), path(), {}, sample);
     device.Feel({.mode = teleop::Mode::kBase, .fine = true});
     static_cast<void>(device.Read(Time(0ms)));
     device.Feel({.mode = teleop::Mode::kArm});
@@ -109,6 +109,16 @@ TEST_F(RecordingDeviceTest, BeginsInTheModeAndScaleInWhichThingsAre) {
   EXPECT_EQ(samples[0].mode_presses, 1u);
   EXPECT_EQ(samples[0].scale_presses, 1u);
   EXPECT_EQ(samples[1].mode_presses, 2u);
+}
+
+TEST_F(RecordingDeviceTest, KeepsThePressesOfItsFirstSample) {
+  const OperatorSample before{.sequence = 1, .gripper_presses = 5};
+  const OperatorSample sample{.sequence = 2, .gripper_presses = 6};
+  {
+    teleop::RecordingDevice device(std::make_unique<Given>(sample), path(), {}, before);
+    static_cast<void>(device.Read(Time(0ms)));
+  }
+  EXPECT_EQ(teleop::ReadOperatorScript(path())[0].gripper_presses, 1u);
 }
 
 TEST_F(RecordingDeviceTest, IsPartialUntilItIsWhole) {
@@ -150,7 +160,7 @@ TEST_F(RecordingDeviceTest, TellsWhenSamplesAreMissing) {
   {
     // Two fit, and the disk is looked after every 20 ms.
     teleop::RecordingDevice device(
-        std::make_unique<EveryCall>(), path(), [&](std::string_view text) { told = text; }, 2);
+        std::make_unique<EveryCall>(), path(), [&](std::string_view text) { told = text; }, {}, 2);
     for (int i = 0; i < 10'000; ++i) static_cast<void>(device.Read(Time(i * 1us)));
   }
   EXPECT_THAT(told, HasSubstr("samples are missing"));

@@ -50,7 +50,6 @@ TEST(TeleoperatorTest, DoesNotDriveTheBaseWhileTheArmIsLed) {
 
 TEST(TeleoperatorTest, DrivesTheBaseAndLeavesTheArmWhereItIs) {
   Rig rig;
-  ++rig.device.now.mode_presses;  // before the first sample: it is where counting begins
   rig.Run(10);
   ++rig.device.now.mode_presses;
   rig.Run(10);
@@ -102,6 +101,13 @@ TEST(TeleoperatorTest, TellsTheOperatorThatItHolds) {
   rig.device.silent = true;
   rig.Run(300);
   EXPECT_TRUE(rig.device.felt.holding);
+}
+
+TEST(TeleoperatorTest, IsStoppedByTheFirstSample) {
+  Rig rig;
+  ++rig.device.now.stop_presses;
+  rig.Run(10);
+  EXPECT_EQ(rig.base.stops, 1);
 }
 
 TEST(TeleoperatorTest, StopsTheBaseOnceAndReleasesItOnce) {

@@ -91,7 +91,7 @@ struct ArmOverlap {
 /// @throws InputError if it is deeper than Plant::kMostOverlap. @param what  is the cause, for it.
 void RequireShallow(const std::optional<ArmOverlap>& overlap, std::string_view what);
 /// The same of a robot where it has been put to start; not of one of a cell, whose others may not
-/// have been. Threads: the plant's. @throws InputError likewise.
+/// have been (run::RequireApartAtStart). Threads: the plant's. @throws InputError likewise.
 void RequireFreeStart(const TruthProbe& truth);
 
 /// Captures poses and forces: contacts with a force, in the engine's order, and pushes on bodies,

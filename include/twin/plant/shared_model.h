@@ -58,7 +58,7 @@ class SharedModel {
 /// A model of several arms without state, for pictures. Arguments as of SharedModel::Create.
 [[nodiscard]] std::shared_ptr<const mjModel_> CompileArms(std::span<const MujocoPlantOptions> arms);
 
-/// The deepest overlap of two different arms.
+/// The deepest overlap of a part that moves with an arm, with any other part.
 /// @param q  by arm, rad; hands are open, all else is as the model begins. @throws as CompileArms.
 [[nodiscard]] std::optional<ArmOverlap> ArmsOverlap(std::span<const MujocoPlantOptions> arms,
                                                     std::span<const JointVector> q);

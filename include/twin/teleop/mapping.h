@@ -62,7 +62,7 @@ class Mapping {
   Mapping(const MappingConfig& config, const Speeds& full) noexcept
       : config_(config), full_(full) {}
 
-  /// @param has_base  false: mode presses have no effect.
+  /// Counters of presses begin at zero. @param has_base  false: mode presses have no effect.
   void Begin(bool has_base) noexcept TWIN_REALTIME;
 
   /// @param sample  the newest; repeated if none has arrived. @returns the operator's command.
@@ -104,7 +104,6 @@ class Mapping {
   MappingConfig config_;
   Speeds full_;
   bool has_base_ = false;
-  bool has_counted_ = false;
   OperatorSample last_{};  ///< counters of the last sample
   Mode mode_ = Mode::kArm;
   Mode wanted_ = Mode::kArm;

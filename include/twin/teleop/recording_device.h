@@ -18,10 +18,9 @@
 namespace twin::teleop {
 
 /// Wraps another device and writes every sample to a script (operator_script.h), so that the input
-/// can be replayed. A row's time is that of its Read(), counted from the first Read(). Presses
-/// count from the first sample, as for the teleoperator. The first row contains the presses that
-/// lead from a session's initial state to the state in the feedback: mode if the base is driven;
-/// scale if motion is fine.
+/// can be replayed. A row's time is that of its Read(), counted from the first Read(). The first
+/// row contains the presses that lead from a session's initial state to the state in the feedback:
+/// mode if the base is driven; scale if motion is fine.
 ///
 ///     Read() --SpscRing--> own thread --> <path>.partial, at the end <path>
 ///
@@ -36,10 +35,11 @@ class RecordingDevice final : public Device {
   static constexpr std::size_t kRingSize = 8192;
 
   /// Creates the file. @param device  null: of this object only Record() and Feel() are called.
+  /// @param before  the last sample that is left out: its presses do not count.
   /// @param ring_size  a power of two. @throws InputError if it exists, because
   /// recordings are not replaced; EnvironmentError if it cannot be created.
   RecordingDevice(std::unique_ptr<Device> device, const std::filesystem::path& path, Tell tell,
-                  std::size_t ring_size = kRingSize);
+                  const OperatorSample& before = {}, std::size_t ring_size = kRingSize);
   /// As Finish(); reports its error to Tell.
   ~RecordingDevice() override;
   RecordingDevice(const RecordingDevice&) = delete;
@@ -73,7 +73,7 @@ class RecordingDevice final : public Device {
   std::optional<Time> begun_;  ///< time of the first Read()
   Time last_{Duration(-1)};    ///< time of the newest sample after begun_
   OperatorFeedback felt_;
-  std::optional<OperatorSample> before_;  ///< newest sample of the device
+  OperatorSample before_;                   ///< newest sample of the device
   OperatorSample counted_;                ///< presses as in the file
   rt::SpscRing<OperatorSample> ring_;
   std::atomic<std::uint64_t> left_out_{0};  ///< relaxed: read after the reader has ended
