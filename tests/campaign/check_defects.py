@@ -114,6 +114,7 @@ OTHERS = (
     ("the workstation's guard sees nothing", "src/loop/limit_guard.cc", "if (!breach_) breach_ = Check(state, command);", ""),
     ("a plan takes boxes for half as large", "src/planning/shape_pairs.cc",
      "std::abs(along) - half[k]", "std::abs(along) - half[k] / 2"),
+    ("a late command is not counted", "src/onboard/command_inbox.cc", "      ++dropped_;\n    } else {", "    } else {"),
     ("who asks last operates", "src/page/operator_server.cc", "} else if (operator_ == 0) {", "} else if (operator_ < client.number) {"),
     ("a silent operator keeps control", "src/page/operator_server.cc", "now - heard_ > config_.silence", "now - heard_ > 10 * config_.silence"),
     ("states go to who shows no token", "src/page/operator_server.cc",

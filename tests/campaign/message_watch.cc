@@ -16,6 +16,8 @@ constexpr Duration kRounding = Duration(3);  ///< of times to whole nanoseconds
 constexpr double kUnlikely = 8;
 /// More than that, since bursts are few and long.
 constexpr double kFewBursts = 60;
+/// Commands that were written so long before a motion's end have come, if they were not lost.
+constexpr Duration kArrives = std::chrono::milliseconds(100);
 
 bool IsInMotion(const record::TickRecord& tick) {
   return tick.action != record::TickAction::kPublished;
@@ -51,6 +53,12 @@ bool Loses(const scenario::Loss& loss, std::uint64_t number) {
            const auto first = static_cast<std::uint64_t>(burst.at / kCycle);
            return number >= first && number < first + burst.count;
          });
+}
+
+/// Whether chance may lose a message.
+bool HasChance(const scenario::Loss& loss) {
+  const auto* const law = std::get_if<scenario::IndependentLoss>(&loss.law);
+  return law != nullptr ? law->percent > 0 : !IsScripted(loss);
 }
 
 Duration Apart(Time a, Time b) {
@@ -92,6 +100,12 @@ void MessageWatch::OnTick(const record::TickRecord& tick) {
     const Duration cost = tick.written - tick.read;
     if (cost != std::exchange(last_cost_, cost)) ++changed_costs_;
     costs_hash_.AddWord(static_cast<std::uint64_t>(cost.count()));
+  }
+  if (WasWritten(tick)) {
+    ++written_;
+    ++underway_;
+    lately_.push_back(tick.written);
+    if (Loses(world_.link.command.loss, tick.message_id)) ++lost_by_script_;
   }
   ticks_[tick.message_id % kKept] = tick;
   last_tick_ = tick;
@@ -201,6 +215,8 @@ void MessageWatch::OnCycle(const record::CycleRecord& record) {
                       record.state.message_id, record.at.time_since_epoch().count(), elapsed));
   }
   sent_[record.state.message_id % kKept] = record.at;
+  arrived_ += record.dropped + (record.fate == record::CommandFate::kServed ? 1 : 0);
+  if (record.fate != record::CommandFate::kNone) CountUnderway(record.at);
   CheckCommand(record);
 }
 
@@ -236,8 +252,26 @@ void MessageWatch::CheckCommand(const record::CycleRecord& record) {
 }
 
 void MessageWatch::End() {
+  CheckArrived();
   CheckLosses("states", world_.link.state, states_lost_);
   CheckLosses("commands", world_.link.command, commands_lost_);
+}
+
+void MessageWatch::CountUnderway(Time now) {
+  while (!lately_.empty() && lately_.front() <= now - kArrives) lately_.pop_front();
+  underway_ = lately_.size();
+}
+
+void MessageWatch::CheckArrived() {
+  const scenario::DirectionSection& section = world_.link.command;
+  const std::uint64_t copies = section.duplication.share_percent > 0 ? 2 : 1;
+  const std::uint64_t most = copies * (written_ - lost_by_script_);
+  const std::uint64_t not_sure = underway_ + lost_by_script_;
+  const bool is_missing = !HasChance(section.loss) && arrived_ + not_sure < written_;
+  if (arrived_ <= most && !is_missing) return;
+  note_("account", fmt::format("{} commands were written, {} of which a script lost and {} at the "
+                               "motion's end; {} arrived",
+                               written_, lost_by_script_, underway_, arrived_));
 }
 
 void MessageWatch::CheckLosses(std::string_view what, const scenario::DirectionSection& section,

@@ -117,10 +117,6 @@ void Watch::End(const run::RunResult& result) {
                      counts.served, counts.held, counts.longest_loss, counts.dropped,
                      counts_.served, counts_.held, counts_.longest_loss, counts_.dropped));
   }
-  if (counts_.served + counts_.dropped > 2 * written_) {
-    Note("account", fmt::format("{} served and {} dropped of {} written", counts_.served,
-                                counts_.dropped, written_));
-  }
   const loop::LoopTimings& timings = result.report.timings;
   if (timings.written != written_ || timings.skipped_states != skipped_) {
     Note("account", fmt::format("the report tells of {} written and {} states skipped; the ticks "
