@@ -155,7 +155,8 @@ RunRecorder::Outcome ApplicationRecorder::Perform(const run::RunHooks& hooks) {
   was_interrupted_ = is_interrupted();
   Outcome outcome{.plans = task_result.plans,
                   .followed = run_->session_result().followed,
-                  .robot = run_->session_result().robot_timings};
+                  .robot = run_->session_result().robot_timings,
+                  .lost_recording = task_result.lost_recording};
   if (!task_result.task.steps.empty()) {
     outcome.simulated = task_result.task.steps.back().ended.time_since_epoch();
   }

@@ -248,6 +248,7 @@ void RunRecorder::Execute(std::optional<fci::Capture>& capture) {
     KeepInHistory(outcome_.failure);
     throw RobotFault(outcome_.failure + outcome_.cause);
   }
+  if (!outcome_.lost_recording.empty()) throw EnvironmentError(outcome_.lost_recording);
   const std::string excess = Excess();
   KeepInHistory(excess);
   if (excess.empty()) return;

@@ -60,6 +60,7 @@ class RunRecorder {
     std::vector<run::FollowedMotion> followed{};
     std::vector<std::string> notices{};  ///< of the workstation's threads
     backend::RobotTimings robot{};
+    std::string lost_recording{};  ///< as TaskResult's
   };
 
   [[nodiscard]] const scenario::Scenario& scenario() const noexcept { return inputs_.scenario; }

@@ -263,6 +263,11 @@ void Teleoperation::Perform(Stage& stage) {
   stage.Carry({{.name = "teleoperation", .act = [this] { return Lead(); }}});
   // These refer to the session, so they end with it.
   teleoperator_.reset();
+  try {
+    device_->Finish();
+  } catch (const EnvironmentError& error) {  // told once the other results are there
+    stage.result.lost_recording = error.what();
+  }
   scripted_ = nullptr;
   device_.reset();
   stage_ = nullptr;

@@ -69,10 +69,12 @@ class ToldMotions {
 /// One world: a robot, and clients one after the other.
 class SessionWorld {
  public:
-  explicit SessionWorld(std::uint64_t seed) : dice_(seed) {
-    robot::RobotConfig config = test::HarnessRobot(robot::PlantKind::kIdeal);
+  explicit SessionWorld(std::uint64_t seed)
+      // Of dice of its own, as the hand is: other sessions do not depend on it.
+      : dice_(seed), is_mujoco_(Dice(seed + (1ULL << 40)).Chance(0.25)) {
+    robot::RobotConfig config = test::HarnessRobot(is_mujoco_ ? robot::PlantKind::kMujoco
+                                                              : robot::PlantKind::kIdeal);
     config.onboard.collision_behavior = scenario::NoCollisionBehavior();
-    // Of dice of its own: sessions with a hand do not depend on it.
     config.plant.hand =
         Dice(~seed).Chance(0.25) ? plant::HandKind::kCobotPump : plant::HandKind::kFrankaHand;
     server::ServedRobotSettings settings{.takes_free_ports = true, .sink = &watch_};
@@ -208,6 +210,10 @@ class SessionWorld {
     if (!is_bad && std::holds_alternative<setting::CollisionBehavior>(setting)) {
       setting = scenario::NoCollisionBehavior();
     }
+    // Nor would the arm hold itself.
+    if (!is_bad && is_mujoco_ && std::holds_alternative<setting::Load>(setting)) {
+      setting = setting::Load();
+    }
     const auto invalid = Byte(SetterStatus::kInvalidArgumentRejected);
     const auto impossible = Byte(SetterStatus::kCommandNotPossibleRejected);
     Asked asked{client_->Frame(setting, bytes), std::string(Name(setting)), {}};
@@ -310,6 +316,8 @@ class SessionWorld {
     RobotCommand command;
     command.q_c = state.q_d;
     command.O_T_EE_c = state.O_T_EE_c;
+    // The arm holds itself without. In one step it would be too much where a controller has held it.
+    for (std::size_t i = 0; i < kJoints; ++i) command.tau_J_d[i] = 0.99 * state.tau_J_d[i];
     return command;
   }
 
@@ -427,6 +435,7 @@ class SessionWorld {
   }
 
   Dice dice_;
+  const bool is_mujoco_;
   CycleWatch watch_;
   ToldMotions told_;
   std::optional<server::ServedRobot> service_;

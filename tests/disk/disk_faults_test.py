@@ -55,6 +55,27 @@ axes:
 seeds: 1
 keep: all
 """
+LED = """name: led
+robot: {q_start: {unit: rad, values: [0, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]}}
+operator:
+  device: script
+  parameters: {file: hands.csv, record: %s}
+application: {type: teleoperation, parameters: {longest: 5 s}}
+record: false
+render: {enabled: false}
+"""
+HANDS = """time,kind,x,y,z,rx,ry,rz,engaged,mode,gripper,frame,scale,stop,release,end
+0,rate,0,0,0,0,0,0,1,0,0,0,0,0,0,0
+0.05,rate,0.5,0,0,0,0,0,1,0,0,0,0,0,0,0
+0.1,rate,0,0,0,0,0,0,1,0,0,0,0,0,0,1
+"""
+CASE = """scenario: scenarios/smoke.yaml
+every: 10
+key_frames: 2
+views:
+  far:
+    camera: {azimuth: 142 deg, elevation: -18 deg, distance: 2.05 m, lookat: [0.18 m, 0 m, 0.46 m]}
+"""
 MAGIC = b"\x89MCAP0\r\n"
 
 NO_SPACE = ("open", "write", "fsync", "rename", "link", "mkdir", "close")  # at close: on NFS
@@ -126,6 +147,7 @@ class DiskFaultsTest(unittest.TestCase):
         self.out = self.box / "out"
         self.out.mkdir(parents=True)
         self.beside.mkdir()
+        self.not_replaced = []  # results
         self.program = "panda-twin"  # whose calls fail
         for folder in (self.out, self.beside):
             (folder / "notes.txt").write_text("the user's\n")
@@ -264,6 +286,8 @@ class DiskFaultsTest(unittest.TestCase):
         with self.subTest(fault=fault.name, at=at, call=failed[0]):
             self.assert_end(done, fault, failed)
             self.assert_files(done, fault.kills)
+            for name in self.not_replaced:
+                (self.box / name).unlink(missing_ok=True)
             done = self.call(*self.arguments)
             self.assertEqual(done.returncode, 0, "afterwards, without a fault: " + done.stderr)
             for name in self.results:
@@ -376,6 +400,24 @@ class DiskFaultsTest(unittest.TestCase):
     def test_render_pictures(self):
         self.write("scenario.yaml", SHORT % "mujoco")
         self.prepare(["render", self.record(), "--data", SOURCE / "models", "--fps", "20", "--size", "64x48", "--out", self.out / "pictures/"])
+        self.strike_all(sample=2)
+
+    def test_experiment(self):
+        self.prepare(["experiment", "feed_forward", "--seeds", "2", "--out", self.out, "--data", SOURCE / "models"])
+        self.strike_all(sample=4)
+
+    def test_recording_of_an_operator(self):
+        self.write("hands.csv", HANDS)
+        self.write("scenario.yaml", LED % (self.out / "operator.csv"))
+        self.not_replaced = ["out/operator.csv"]
+        self.prepare(self.run_arguments(), ["timing.json", "state"], older=False)
+        self.strike_all(sample=4)
+
+    def test_approval_of_pictures(self):
+        shutil.copy(SOURCE / "models/scenarios/smoke.yaml", self.beside / "scenario.yaml")
+        (self.out / "small.yaml").write_text(CASE)
+        self.prepare(["video", "approve", "small", "--log", self.record(), "--goldens", self.out, "--out", self.box / "runs", "--data",
+                      SOURCE / "models", "--reason", "a test"], older=False)  # what looks the same is kept
         self.strike_all(sample=2)
 
     def test_excite(self):

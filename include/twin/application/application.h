@@ -114,6 +114,7 @@ struct TaskResult {
   std::vector<record::PlanRecord> plans{};  ///< motions that the report shows in pairs of pictures
   Duration planning_time{};                 ///< on the wall clock, so it does not repeat
   std::vector<std::string> robot_errors{};  ///< errors that ended motions
+  std::string lost_recording{};  ///< why the operator's input was not recorded; empty: as asked for
 };
 
 /// The failed step, else the first missed demand; empty if the task succeeded and every demand is

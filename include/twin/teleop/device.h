@@ -27,6 +27,10 @@ class Device {
   /// Renders the feedback as force or display, as far as the device can.
   virtual void Feel(const OperatorFeedback& feedback) noexcept TWIN_REALTIME = 0;
 
+  /// After the last Read(): completes what it writes. Not real-time; other calls have no effect.
+  /// @throws EnvironmentError if something is missing.
+  virtual void Finish() {}
+
   /// True once it has been unplugged or its connection has ended.
   [[nodiscard]] virtual bool lost() const noexcept TWIN_REALTIME = 0;
 

@@ -59,7 +59,7 @@ class RecordingDevice final : public Device {
   /// effect.
   /// @throws EnvironmentError if a sample is missing or the file could not be written; it remains
   /// <path>.partial.
-  void Finish();
+  void Finish() override;
 
  private:
   /// Accumulates presses.
