@@ -154,9 +154,8 @@ class Campaign {
       std::vector<Outcome> outcomes(std::min(per_batch, options_.worlds - done));
       pool.ForEach(outcomes.size(), [&](std::size_t i) {
         const std::uint64_t seed = options_.seed + done + i;
-        const bool repeats = options_.repeat_every != 0 && seed % options_.repeat_every == 0;
         const HangWatch::World running(hang_watch_, NameOf(seed), [&] { return Keep(seed); });
-        outcomes[i] = Try(seed, repeats);
+        outcomes[i] = Try(seed);
         // At once, since the campaign may be stopped; but which is the first, the batch tells.
         if (outcomes[i].finding && !options_.first) Tell(NameOf(seed), *outcomes[i].finding);
       });
@@ -187,10 +186,14 @@ class Campaign {
     return IsOfClients(seed) ? DescribeClientWorld(seed) : TextOf(Draw(seed));
   }
 
-  [[nodiscard]] Outcome Try(std::uint64_t seed, bool repeats) const {
+  [[nodiscard]] bool Repeats(std::uint64_t seed) const {
+    return options_.repeat_every != 0 && seed % options_.repeat_every == 0;
+  }
+
+  [[nodiscard]] Outcome Try(std::uint64_t seed) const {
     try {
       return IsOfClients(seed) ? RunClientWorld(seed, catalogue_, files_)
-                               : RunDrawn(Draw(seed), repeats);
+                               : RunDrawn(Draw(seed), Repeats(seed));
     } catch (const std::exception& error) {
       Outcome failed;
       failed.finding = Finding{"errors", error.what()};
@@ -286,11 +289,10 @@ class Campaign {
         "Shrunk from world {} of the reliability campaign{}, which violates the invariant {}.",
         seed, around_ ? " around " + options_.around.string() : "", finding.invariant);
     const std::string file = Keep(seed);  // shrinking may take long
-    const bool repeats = NeedsRepeats(finding.invariant);
     const Shrunk shrunk = ShrinkScenario(world, finding.invariant,
                                          [&](const ScenarioWorld& less, const std::string& name) {
                                            const HangWatch::World running(hang_watch_, name);
-                                           return RunDrawn(less, repeats);
+                                           return RunDrawn(less, Repeats(seed));
                                          });
     run::WriteWholeFile(file, shrunk.text);
     fmt::print("world {} shrunk, {}: {}\n", seed, file,

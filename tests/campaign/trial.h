@@ -49,9 +49,4 @@ struct Outcome {
 [[nodiscard]] Outcome RunWorld(const scenario::Scenario& world, const run::Catalogue& catalogue,
                                const run::RunFiles& files, bool repeats);
 
-/// Whether only repeats show a violation of it.
-[[nodiscard]] inline bool NeedsRepeats(std::string_view invariant) {
-  return invariant == "repeats" || invariant == "seed" || invariant == "alone";
-}
-
 }  // namespace twin::campaign

@@ -212,7 +212,7 @@ void StateChecker::CheckAbort(const RobotState& s) {
   Become(RobotMode::kReflex);
   phase_ = Phase::kNone;
   braking_ = 0;
-  longest_braking_ = LongestBraking(last_, robot_.limits.joints);
+  longest_braking_ = LongestBraking(last_, robot_.brakes_by());
   took_over_ = external_acts_;
   external_acts_ = false;
   CheckComingToRest(s);
@@ -280,7 +280,7 @@ void StateChecker::CheckTaken(const RobotState& s) {
   if (!command_->motion_generation_finished) return;
   phase_ = Phase::kFinishing;
   braking_ = 0;
-  longest_braking_ = LongestBraking(s, robot_.limits.joints);
+  longest_braking_ = LongestBraking(s, robot_.brakes_by());
   took_over_ = external_acts_;
   external_acts_ = false;
 }

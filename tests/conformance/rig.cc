@@ -108,6 +108,7 @@ Finding Rig::finding() const {
 CheckedRobot ToCheck(const robot::RobotConfig& robot) {
   const onboard::OnboardConfig& config = robot.onboard;
   CheckedRobot checked;
+  checked.own_limits = robot.onboard.own_limits;
   checked.limits = {.joints = config.limits,
                     .cartesian = config.cartesian,
                     .start_q_rad = config.start_pose_tolerance_rad,

@@ -89,13 +89,13 @@ void StateChecker::OnRequest(Ask ask, bool accepted) {
   if (ask == Ask::kStopMove && phase_ != Phase::kNone) {
     phase_ = Phase::kPreempting;
     braking_ = 0;
-    longest_braking_ = LongestBraking(last_, robot_.limits.joints);
+    longest_braking_ = LongestBraking(last_, robot_.brakes_by());
   }
   if (ask == Ask::kPressUserStop && phase_ != Phase::kNone) {
     phase_ = Phase::kNone;
     user_stopped_ = true;
     braking_ = 0;
-    longest_braking_ = LongestBraking(last_, robot_.limits.joints);
+    longest_braking_ = LongestBraking(last_, robot_.brakes_by());
   }
   if (before == RobotMode::kOther && after != RobotMode::kOther) {
     situation_.brakes_closed = ask != Ask::kOpenBrakes;

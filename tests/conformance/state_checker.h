@@ -19,9 +19,15 @@ namespace twin::test {
 /// What the checker is told of the robot it watches.
 struct CheckedRobot {
   OracleLimits limits;
+  /// Of motions that it makes by itself, braking among them; nullopt: as of commands.
+  std::optional<JointLimits> own_limits{};
   MeasuredLimits measured;
   setting::Filters filters;
   setting::CollisionBehavior collision_behavior;
+
+  [[nodiscard]] const JointLimits& brakes_by() const {
+    return own_limits ? *own_limits : limits.joints;
+  }
 };
 
 /// Watches a robot from the workstation: every request, every command, every state. Recomputes from
