@@ -20,6 +20,7 @@
 #endif
 #endif
 #ifdef TWIN_ADDRESS_SANITIZER
+#include <sanitizer/asan_interface.h>
 #include <sanitizer/common_interface_defs.h>
 #endif
 
@@ -42,6 +43,12 @@ class SwitchOfStacks {
                      [[maybe_unused]] std::size_t* bytes) noexcept {
 #ifdef TWIN_ADDRESS_SANITIZER
     __sanitizer_finish_switch_fiber(saved, bottom, bytes);
+#endif
+  }
+  /// The last frames of a stack were left for good, and its memory may become another's.
+  static void Forget([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes) noexcept {
+#ifdef TWIN_ADDRESS_SANITIZER
+    __asan_unpoison_memory_region(memory, bytes);
 #endif
   }
 };
@@ -138,6 +145,7 @@ Fiber::Fiber(std::function<void()> body, std::size_t stack_bytes)
 
 Fiber::~Fiber() {
   TWIN_CHECK(state_->ended || !state_->begun);
+  SwitchOfStacks::Forget(state_->memory, state_->bytes);
   ::munmap(state_->memory, state_->bytes);
 }
 

@@ -56,12 +56,13 @@ HangWatch::World::World(HangWatch& watch, std::string name, std::function<std::s
     : watch_(watch), name_(std::move(name)), keep_(std::move(keep)) {
   running = &name_;
   const stack_t stack{.ss_sp = crash_stack.data(), .ss_flags = 0, .ss_size = crash_stack.size()};
-  ::sigaltstack(&stack, nullptr);
+  ::sigaltstack(&stack, &stack_before_);
   const std::scoped_lock lock(watch_.mutex_);
   watch_.begun_.emplace(this, watch_.clock_.Now());
 }
 
 HangWatch::World::~World() {
+  ::sigaltstack(&stack_before_, nullptr);
   running = nullptr;
   const std::scoped_lock lock(watch_.mutex_);
   watch_.begun_.erase(this);

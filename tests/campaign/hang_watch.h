@@ -1,5 +1,7 @@
 #pragma once
 
+#include <signal.h>
+
 #include <condition_variable>
 #include <functional>
 #include <map>
@@ -38,6 +40,7 @@ class HangWatch {
 
    private:
     HangWatch& watch_;
+    stack_t stack_before_{};  ///< the thread's, for signals; ASan has one
     const std::string name_;
     const std::function<std::string()> keep_;
   };

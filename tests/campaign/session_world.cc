@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <limits>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -51,17 +52,27 @@ class CycleWatch final : public record::RecordSink {
   std::atomic<bool> is_finite_ = true;
 };
 
-/// Counts the motions that people are told of. Threads: any.
+/// What people are told, the motions counted. Threads: any.
 class ToldMotions {
  public:
   void Take(std::string_view line) {
+    {
+      const std::scoped_lock lock(mutex_);
+      last_ = line;
+    }
     if (!line.starts_with("arm: motion ")) return;
     ++(line.starts_with("arm: motion started") ? begun_ : ended_);
   }
   [[nodiscard]] int begun() const { return begun_; }
   [[nodiscard]] int ended() const { return ended_; }
+  [[nodiscard]] std::string last() {
+    const std::scoped_lock lock(mutex_);
+    return last_;
+  }
 
  private:
+  std::mutex mutex_;
+  std::string last_;
   std::atomic<int> begun_ = 0;
   std::atomic<int> ended_ = 0;
 };
@@ -72,8 +83,8 @@ class SessionWorld {
   explicit SessionWorld(std::uint64_t seed)
       // Of dice of its own, as the hand is: other sessions do not depend on it.
       : dice_(seed), is_mujoco_(Dice(seed + (1ULL << 40)).Chance(0.25)) {
-    robot::RobotConfig config = test::HarnessRobot(is_mujoco_ ? robot::PlantKind::kMujoco
-                                                              : robot::PlantKind::kIdeal);
+    robot::RobotConfig config =
+        test::HarnessRobot(is_mujoco_ ? robot::PlantKind::kMujoco : robot::PlantKind::kIdeal);
     config.onboard.collision_behavior = scenario::NoCollisionBehavior();
     config.plant.hand =
         Dice(~seed).Chance(0.25) ? plant::HandKind::kCobotPump : plant::HandKind::kFrankaHand;
@@ -94,7 +105,8 @@ class SessionWorld {
       outcome.end = "sessions";
     } catch (const BrokenPromise& broken) {
       outcome.finding =
-          Finding{"session", fmt::format("{}; after: {}", broken.what(), fmt::join(done_, ", "))};
+          Finding{"session", fmt::format("{}; people were told last: {}; after: {}", broken.what(),
+                                         told_.last(), fmt::join(done_, ", "))};
     } catch (const Error& error) {
       outcome.finding = Finding{"errors", error.what()};
     }
@@ -316,7 +328,8 @@ class SessionWorld {
     RobotCommand command;
     command.q_c = state.q_d;
     command.O_T_EE_c = state.O_T_EE_c;
-    // The arm holds itself without. In one step it would be too much where a controller has held it.
+    // The arm holds itself without. In one step it would be too much where a controller has held
+    // it.
     for (std::size_t i = 0; i < kJoints; ++i) command.tau_J_d[i] = 0.99 * state.tau_J_d[i];
     return command;
   }
