@@ -133,7 +133,8 @@ void PageOperator::Run(const std::stop_token& stop) {
         Home();
         next = Wish::kLead;
       } else {
-        auto device = std::make_unique<page::PageDevice>(parts_.channel, "this server");
+        auto device = std::make_unique<page::PageDevice>(parts_.channel, "this server",
+                                                         page::PageDevice::Presses::kFromNow);
         // From here on, the device receives the end that is pressed when control is returned.
         if (is_wanted()) Session(std::move(device));
       }

@@ -243,14 +243,16 @@ void RunRecorder::Execute(std::optional<fci::Capture>& capture) {
   }
   inputs_.console.Print(
       fmt::format("{}  {:<13}{}\n", SummaryOfTerminal(), "files", out_.folder().string()));
+  const std::string& lost = outcome_.lost_recording;
   if (!outcome_.failure.empty()) {
+    if (!lost.empty()) inputs_.console.Note(lost);
     inputs_.console.ThrowIfInterrupted();
     KeepInHistory(outcome_.failure);
     throw RobotFault(outcome_.failure + outcome_.cause);
   }
-  if (!outcome_.lost_recording.empty()) throw EnvironmentError(outcome_.lost_recording);
   const std::string excess = Excess();
   KeepInHistory(excess);
+  if (!lost.empty()) throw EnvironmentError(lost);
   if (excess.empty()) return;
   if (inputs_.options.strict) throw RobotFault(excess);
   inputs_.console.Warn(excess);

@@ -136,7 +136,8 @@ teleop::DeviceRegistry OperatorPage::Devices(const Catalogue& catalogue) {
                       "operator.device: page is the operator's page in a browser; run with --page");
                 }
                 auto device = std::make_unique<page::PageDevice>(
-                    channel_, fmt::format("port {}", settings_->at.port));
+                    channel_, fmt::format("port {}", settings_->at.port),
+                    page::PageDevice::Presses::kAll);
                 const std::string file = request.parameters.Text("record", "");
                 if (file.empty()) return device;
                 return std::make_unique<teleop::RecordingDevice>(std::move(device),

@@ -22,7 +22,9 @@ scenario::Scenario DrawPageWorld(std::uint64_t seed, const std::filesystem::path
   world.application->parameters.push_back({.key = "longest", .values = {"60 s"}});
   test::Dice dice(seed);
   if (dice.Chance(0.5)) world.base.reset();
-  return DrawAround(seed, std::move(world));
+  world = DrawAround(seed, std::move(world));
+  world.perturbations.clear();  // who stands must stand
+  return world;
 }
 
 }  // namespace

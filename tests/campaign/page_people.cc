@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -23,6 +24,8 @@ constexpr auto kHelloTimeout = milliseconds(5000);
 constexpr auto kReaches = milliseconds(600);
 /// The base slows down from 0.5 m/s by 0.3 m/s^2, the hand sooner.
 constexpr auto kEnds = std::chrono::seconds(10);
+constexpr auto kRests = std::chrono::seconds(3);
+constexpr double kStands = 0.05;  ///< rad/s and m/s
 
 constexpr std::array<std::string_view, 6> kNames = {"mode",  "gripper", "frame",
                                                     "scale", "release", "end"};
@@ -92,8 +95,8 @@ class PeopleAtPage::Browser final : public page::Connection {
   PeopleAtPage& all_;
 };
 
-PeopleAtPage::PeopleAtPage(std::uint64_t seed, std::optional<Finding>& finding)
-    : finding_(finding),
+PeopleAtPage::PeopleAtPage(std::uint64_t seed, PageTalk& talk)
+    : talk_(talk),
       dice_(~seed ^ 0x9A6EULL),
       ends_with_control_(dice_.Chance(0.2)),
       eagerness_(0.002 * dice_.Between(1, 10)),
@@ -116,8 +119,8 @@ PeopleAtPage::~PeopleAtPage() {
 }
 
 void PeopleAtPage::Note(const std::string& text) {
-  if (finding_) return;
-  finding_ = Finding{
+  if (talk_.finding) return;
+  talk_.finding = Finding{
       "page", fmt::format("at {:.3f} s: {}", ToSeconds(clock_.now.time_since_epoch()), text)};
 }
 
@@ -161,6 +164,12 @@ void PeopleAtPage::Feel(const teleop::OperatorFeedback& feedback) noexcept {
   if (sent_ && now - *sent_ < milliseconds(60) && now - flows_ > 2 * kReaches && feedback.holding) {
     Note("somebody leads, and it holds");
   }
+  if (!feedback.stopped && !feedback.holding) {
+    still_.reset();
+  } else if (!still_) {
+    still_ = now;
+  }
+  talk_.must_stand = still_ && now - *still_ > kRests;
   if (ended_ && now - *ended_ > kEnds) Note("the session was ended ten seconds ago, and goes on");
   device_.Feel(feedback);
 }
@@ -339,10 +348,28 @@ void PeopleAtPage::Tick() {
   }
 }
 
-teleop::DeviceRegistry DevicesOfPeople(std::optional<Finding>& finding) {
+void StandWatch::Put(const record::CycleRecord& record) noexcept {
+  if (next_ != nullptr) next_->Put(record);
+  if (!talk_.must_stand || talk_.finding) return;
+  const BaseTwist twist = record.base ? record.base->twist : BaseTwist{};
+  const bool moves =
+      std::ranges::any_of(record.state.dq, [](double dq) { return std::abs(dq) > kStands; }) ||
+      std::abs(twist.v) > kStands || std::abs(twist.w) > kStands;
+  if (!moves) return;
+  talk_.finding = Finding{
+      "page", fmt::format("cycle {}: stopped, or led by nobody, for seconds, and joints move at {} "
+                          "rad/s, the base at {} m/s, {} rad/s",
+                          record.state.message_id, record.state.dq, twist.v, twist.w)};
+}
+
+void StandWatch::Put(const record::TickRecord& record) noexcept {
+  if (next_ != nullptr) next_->Put(record);
+}
+
+teleop::DeviceRegistry DevicesOfPeople(PageTalk& talk) {
   teleop::DeviceRegistry devices;
-  devices.Add(std::string(run::kPageDevice), [&finding](const teleop::DeviceRequest& request) {
-    return std::make_unique<PeopleAtPage>(request.seed, finding);
+  devices.Add(std::string(run::kPageDevice), [&talk](const teleop::DeviceRequest& request) {
+    return std::make_unique<PeopleAtPage>(request.seed, talk);
   });
   return devices;
 }

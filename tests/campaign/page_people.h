@@ -19,6 +19,12 @@
 
 namespace twin::campaign {
 
+/// What people at a page and the robot make of each other.
+struct PageTalk {
+  std::optional<Finding> finding;  ///< the first violation
+  bool must_stand = false;         ///< it was stopped, or nobody has led it, for seconds
+};
+
 /// People at an operator's page, in the robot's time: browsers come, show a token or a wrong one,
 /// ask for control, lead, press buttons, fall silent, stop the robot, talk nonsense and leave, as
 /// the seed draws. After some seconds whoever operates ends the session.
@@ -29,8 +35,8 @@ namespace twin::campaign {
 /// Threads: the run's.
 class PeopleAtPage final : public teleop::Device {
  public:
-  /// @param finding  the first violation; must outlive this.
-  PeopleAtPage(std::uint64_t seed, std::optional<Finding>& finding);
+  /// @param talk  must outlive this.
+  PeopleAtPage(std::uint64_t seed, PageTalk& talk);
   ~PeopleAtPage() override;
 
   std::optional<teleop::OperatorSample> Read(Time now) noexcept override;
@@ -62,14 +68,14 @@ class PeopleAtPage final : public teleop::Device {
   void CheckSample(const teleop::OperatorSample& sample);
   void Note(const std::string& text);
 
-  std::optional<Finding>& finding_;
+  PageTalk& talk_;
   test::Dice dice_;
   const bool ends_with_control_;  ///< the session, once its operator has lost control
   const double eagerness_;        ///< events per ms
   const Time ends_from_;
   RunTime clock_;
   page::OperatorChannel channel_;
-  page::PageDevice device_{channel_, "the campaign's"};
+  page::PageDevice device_{channel_, "the campaign's", page::PageDevice::Presses::kAll};
   std::optional<page::OperatorServer> server_;
   std::vector<std::unique_ptr<Browser>> browsers_;  ///< also those that have gone
   std::uint64_t came_ = 0;
@@ -89,9 +95,26 @@ class PeopleAtPage final : public teleop::Device {
   std::optional<Time> sent_;      ///< the last sample that the robot was sent
   Time flows_{};                  ///< since when samples follow each other closely
   std::uint64_t since_stop_ = 0;  ///< samples that were sent
+  std::optional<Time> still_;     ///< since when the robot says that it is stopped, or holds
 };
 
-/// The page, of which each device has people of its own. @param finding  as PeopleAtPage's.
-[[nodiscard]] teleop::DeviceRegistry DevicesOfPeople(std::optional<Finding>& finding);
+/// Whether the robot stands when it must; passes all on.
+///
+/// Threads: the run's.
+class StandWatch final : public record::RecordSink {
+ public:
+  /// @param next  may be null. All must outlive this.
+  StandWatch(PageTalk& talk, record::RecordSink* next) : talk_(talk), next_(next) {}
+
+  void Put(const record::CycleRecord& record) noexcept TWIN_REALTIME override;
+  void Put(const record::TickRecord& record) noexcept TWIN_REALTIME override;
+
+ private:
+  PageTalk& talk_;
+  record::RecordSink* const next_;
+};
+
+/// The page, of which each device has people of its own. @param talk  as PeopleAtPage's.
+[[nodiscard]] teleop::DeviceRegistry DevicesOfPeople(PageTalk& talk);
 
 }  // namespace twin::campaign

@@ -29,15 +29,15 @@ struct ApplicationEnd {
   std::uint64_t states_hash = 0;
 };
 
-/// Carries out a world's application. @param of_people  what they violated at the operator's page.
+/// Carries out a world's application. @param talk  at the operator's page.
 ApplicationEnd ExecuteApplication(const scenario::Scenario& world, const run::Catalogue& catalogue,
                                   const run::RunFiles& files, record::RecordSink* sink,
-                                  std::optional<Finding>& of_people,
-                                  const application::Partners* partners = nullptr) {
+                                  PageTalk& talk, const application::Partners* partners = nullptr) {
   const MonotonicClock clock;  // which only tells how long planning takes
-  const teleop::DeviceRegistry devices = DevicesOfPeople(of_people);
+  const teleop::DeviceRegistry devices = DevicesOfPeople(talk);
   const run::Catalogue own{catalogue.backends, catalogue.controllers, &devices};
-  application::ApplicationRun run(world, own, files, sink, clock, {}, partners);
+  StandWatch stands(talk, sink);
+  application::ApplicationRun run(world, own, files, &stands, clock, {}, partners);
   const application::TaskResult& task = run.Execute({});
   return {task.task.failure, run.session_result().states_hash};
 }
@@ -46,7 +46,7 @@ ApplicationEnd ExecuteApplication(const scenario::Scenario& world, const run::Ca
 std::uint64_t StatesAgain(scenario::Scenario world, const run::Catalogue& catalogue,
                           const run::RunFiles& files) {
   if (world.application) {
-    std::optional<Finding> again;
+    PageTalk again;
     return ExecuteApplication(world, catalogue, files, nullptr, again).states_hash;
   }
   // A sum of two forces has no order; one of more rounds by it.
@@ -118,14 +118,14 @@ std::optional<Finding> Reseed(scenario::Scenario world, const Chance& chance,
 Outcome RunOnce(const scenario::Scenario& world, const run::Catalogue& catalogue,
                 const run::RunFiles& files, bool may_touch, const application::Partners* partners) {
   Outcome outcome;
-  std::optional<Finding> of_people;
+  PageTalk talk;
   Watch watch(world, may_touch);
   const backend::Registry watched = watch.Watched(catalogue.backends);
   try {
     world.Validate();
     const run::Catalogue own{watched, catalogue.controllers, catalogue.devices};
     if (world.application) {
-      const ApplicationEnd end = ExecuteApplication(world, own, files, &watch, of_people, partners);
+      const ApplicationEnd end = ExecuteApplication(world, own, files, &watch, talk, partners);
       outcome.failure = end.failure;
       outcome.end = world.application->type + (end.failure.empty() ? ": success" : ": failure");
       outcome.states_hash = end.states_hash;
@@ -147,7 +147,7 @@ Outcome RunOnce(const scenario::Scenario& world, const run::Catalogue& catalogue
   } catch (const std::exception& error) {
     outcome.finding = Finding{"errors", error.what()};
   }
-  if (of_people) outcome.finding = of_people;
+  if (talk.finding) outcome.finding = talk.finding;
   if (watch.finding()) outcome.finding = watch.finding();  // also of a run that was broken off
   outcome.cycles = watch.path().size();
   outcome.path = watch.path();

@@ -73,7 +73,7 @@ class OperatorServerTest : public testing::Test {
   SetClock clock;
   Time run_time{};
   OperatorChannel channel;
-  PageDevice device{channel, "here"};
+  PageDevice device{channel, "here", PageDevice::Presses::kAll};
   int stops = 0;
   std::size_t camera = 0;
   int visits = 0;
@@ -222,11 +222,18 @@ TEST_F(OperatorServerTest, OnlyTheOperatorPressesButtons) {
   EXPECT_EQ(device.Read({})->gripper_presses, 1U);
 }
 
-TEST_F(OperatorServerTest, DeviceThatComesLaterIsToldOfNoEarlierPress) {
+TEST_F(OperatorServerTest, StopBeforeTheDeviceIsThereStopsIt) {
+  Come(first);
+  server->OnText(first, kStop);
+  PageDevice later(channel, "here", PageDevice::Presses::kAll);
+  EXPECT_EQ(later.Read({})->stop_presses, 1U);
+}
+
+TEST_F(OperatorServerTest, DeviceOfALaterSessionIsToldOfNoEarlierPress) {
   Come(first);
   server->OnText(first, kTake);
   server->OnText(first, R"({"type":"press","button":"gripper"})");
-  PageDevice later(channel, "here");
+  PageDevice later(channel, "here", PageDevice::Presses::kFromNow);
   EXPECT_FALSE(later.Read({}));
   server->OnText(first, R"({"type":"press","button":"gripper"})");
   EXPECT_EQ(later.Read({})->gripper_presses, 1U);

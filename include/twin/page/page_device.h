@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
@@ -23,14 +24,21 @@ namespace twin::page {
 }
 
 /// Sticks and buttons on the operator's page. Gives samples only while an operator has control and
-/// the browser sends input; without them the reader's last sample becomes too old. Presses before
-/// construction do not count. Feedback is displayed. Lost once the page has ended.
+/// the browser sends input; without them the reader's last sample becomes too old. Feedback is
+/// displayed. Lost once the page has ended.
 /// Threads, real-time: as teleop::Device; one device per channel at a time.
 class PageDevice final : public teleop::Device {
  public:
+  /// Presses that count.
+  enum class Presses : std::uint8_t {
+    kAll,      ///< an emergency stop before the device is there, too
+    kFromNow,  ///< earlier ones were another session's
+  };
+
   /// @param channel  must outlive this object. @param where  the page's address.
-  PageDevice(OperatorChannel& channel, std::string where)
+  PageDevice(OperatorChannel& channel, std::string where, Presses presses)
       : channel_(channel), where_(std::move(where)) {
+    if (presses == Presses::kAll) return;
     if (const teleop::OperatorSample* sample = channel_.NewSample()) before_ = *sample;
   }
 
@@ -49,7 +57,7 @@ class PageDevice final : public teleop::Device {
  private:
   OperatorChannel& channel_;
   const std::string where_;
-  teleop::OperatorSample before_;  ///< counters at construction
+  teleop::OperatorSample before_;  ///< counters of presses that do not count
 };
 
 }  // namespace twin::page

@@ -42,8 +42,8 @@ struct Island {
                                        std::shared_ptr<plant::SharedModel> shared,
                                        const backend::Registry& known);
 
-/// @throws InputError where an arm overlaps another, itself or an object as they start, by more than
-/// a touch: names both, and where.
+/// @throws InputError where an arm overlaps another, itself or an object as they start, by more
+/// than a touch: names both, and where.
 void RequireApartAtStart(const scenario::Cell& cell, const RunFiles& files);
 
 }  // namespace twin::run

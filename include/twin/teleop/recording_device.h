@@ -73,8 +73,8 @@ class RecordingDevice final : public Device {
   std::optional<Time> begun_;  ///< time of the first Read()
   Time last_{Duration(-1)};    ///< time of the newest sample after begun_
   OperatorFeedback felt_;
-  OperatorSample before_;                   ///< newest sample of the device
-  OperatorSample counted_;                ///< presses as in the file
+  OperatorSample before_;   ///< newest sample of the device
+  OperatorSample counted_;  ///< presses as in the file
   rt::SpscRing<OperatorSample> ring_;
   std::atomic<std::uint64_t> left_out_{0};  ///< relaxed: read after the reader has ended
   OperatorSample written_;                  ///< newest sample in the file
