@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
-#include <ranges>
 #include <string>
 
 #include <fmt/format.h>
@@ -195,11 +194,12 @@ void RequireApartAtStart(const scenario::Cell& cell, const RunFiles& files) {
   }
   const auto overlap = plant::ArmsOverlap(plants, starts);
   if (!overlap || overlap->depth <= plant::Plant::kMostOverlap) return;
-  const auto robots = cell.robots | std::views::reverse;  // the later of two is to give way
-  const auto whose = std::ranges::find_if(robots, [&](const scenario::CellRobot& robot) {
+  const auto overlaps = [&](const scenario::CellRobot& robot) {
     const std::string prefix = PrefixOf(robot);
     return overlap->part.starts_with(prefix) || overlap->other.starts_with(prefix);
-  });
+  };
+  // The later of two is to give way.
+  const auto whose = std::find_if(cell.robots.rbegin(), cell.robots.rend(), overlaps);
   throw InputError(fmt::format(
       "{}: robots: where they start, {} and {} overlap by {:.1f} mm; put the robots further apart "
       "(robot.pose), or let them start elsewhere (robot.q_start)",
