@@ -176,8 +176,10 @@ class SessionWorld {
   void Act() {
     const int kind = dice_.Whole(0, 12);
     if (kind >= 10) {
-      // In a motion time waits for this client.
-      if (now_.mode != RobotMode::kMove) bystanders_->Act(now_, done_);
+      // In a motion time waits for this client; MuJoCo's arm may still brake after an abort.
+      const bool is_busy =
+          now_.mode == RobotMode::kMove || (is_mujoco_ && now_.mode == RobotMode::kReflex);
+      if (!is_busy) bystanders_->Act(now_, done_);
       return;
     }
     if (kind <= 3) return AskSeveral();
