@@ -23,7 +23,7 @@ scenario::Scenario DrawPageWorld(std::uint64_t seed, const std::filesystem::path
   test::Dice dice(seed);
   if (dice.Chance(0.5)) world.base.reset();
   world = DrawAround(seed, std::move(world));
-  world.perturbations.clear();  // who stands must stand
+  world.perturbations.clear();  // they would move an arm that must stand
   return world;
 }
 

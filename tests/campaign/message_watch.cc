@@ -102,8 +102,6 @@ void MessageWatch::OnTick(const record::TickRecord& tick) {
     costs_hash_.AddWord(static_cast<std::uint64_t>(cost.count()));
   }
   if (WasWritten(tick)) {
-    ++written_;
-    ++underway_;
     lately_.push_back(tick.written);
     if (Loses(world_.link.command.loss, tick.message_id)) ++lost_by_script_;
   }
@@ -215,8 +213,10 @@ void MessageWatch::OnCycle(const record::CycleRecord& record) {
                       record.state.message_id, record.at.time_since_epoch().count(), elapsed));
   }
   sent_[record.state.message_id % kKept] = record.at;
-  arrived_ += record.dropped + (record.fate == record::CommandFate::kServed ? 1 : 0);
-  if (record.fate != record::CommandFate::kNone) CountUnderway(record.at);
+  while (record.fate != record::CommandFate::kNone && !lately_.empty() &&
+         lately_.front() <= record.at - kArrives) {
+    lately_.pop_front();
+  }
   CheckCommand(record);
 }
 
@@ -251,27 +251,22 @@ void MessageWatch::CheckCommand(const record::CycleRecord& record) {
   losses_hash_.AddWord(record.state.message_id);
 }
 
-void MessageWatch::End() {
-  CheckArrived();
+void MessageWatch::End(std::uint64_t written, std::uint64_t arrived) {
+  CheckArrived(written, arrived);
   CheckLosses("states", world_.link.state, states_lost_);
   CheckLosses("commands", world_.link.command, commands_lost_);
 }
 
-void MessageWatch::CountUnderway(Time now) {
-  while (!lately_.empty() && lately_.front() <= now - kArrives) lately_.pop_front();
-  underway_ = lately_.size();
-}
-
-void MessageWatch::CheckArrived() {
+void MessageWatch::CheckArrived(std::uint64_t written, std::uint64_t arrived) {
   const scenario::DirectionSection& section = world_.link.command;
   const std::uint64_t copies = section.duplication.share_percent > 0 ? 2 : 1;
-  const std::uint64_t most = copies * (written_ - lost_by_script_);
-  const std::uint64_t not_sure = underway_ + lost_by_script_;
-  const bool is_missing = !HasChance(section.loss) && arrived_ + not_sure < written_;
-  if (arrived_ <= most && !is_missing) return;
+  const std::uint64_t most = copies * (written - lost_by_script_);
+  const std::uint64_t not_sure = lately_.size() + lost_by_script_;
+  const bool is_missing = !HasChance(section.loss) && arrived + not_sure < written;
+  if (arrived <= most && !is_missing) return;
   note_("account", fmt::format("{} commands were written, {} of which a script lost and {} at the "
                                "motion's end; {} arrived",
-                               written_, lost_by_script_, underway_, arrived_));
+                               written, lost_by_script_, lately_.size(), arrived));
 }
 
 void MessageWatch::CheckLosses(std::string_view what, const scenario::DirectionSection& section,

@@ -42,8 +42,8 @@ class MessageWatch {
 
   void OnTick(const record::TickRecord& tick);
   void OnCycle(const record::CycleRecord& record);
-  /// After the run.
-  void End();
+  /// After the run. @param written, arrived  commands: in all, and those served or dropped.
+  void End(std::uint64_t written, std::uint64_t arrived);
 
   /// Messages that the links' laws of chance lost; 0 if they lost all, which is no chance.
   [[nodiscard]] std::uint64_t lost_by_chance() const {
@@ -79,8 +79,7 @@ class MessageWatch {
   void CheckArrival(const record::TickRecord& tick);
   void CountStates(std::uint64_t from, std::uint64_t to);
   void CheckCommand(const record::CycleRecord& record);
-  void CountUnderway(Time now);
-  void CheckArrived();
+  void CheckArrived(std::uint64_t written, std::uint64_t arrived);
   void CheckLosses(std::string_view what, const scenario::DirectionSection& section,
                    const Losses& losses);
 
@@ -96,11 +95,9 @@ class MessageWatch {
   std::optional<Time> first_deposit_;
   std::uint64_t without_deposit_ = 0;  ///< cycles
   std::uint64_t last_command_ = 0;     ///< id that the last command answered; 0: none yet
-  std::uint64_t written_ = 0;
-  std::uint64_t lost_by_script_ = 0;  ///< commands
-  std::uint64_t arrived_ = 0;         ///< commands that were served or dropped
-  std::uint64_t underway_ = 0;  ///< commands that may not have come in the motion's last cycle
-  std::deque<Time> lately_;     ///< when those and others were written
+  std::uint64_t lost_by_script_ = 0;   ///< commands
+  /// When those commands were written that may not have come in the motion's last cycle.
+  std::deque<Time> lately_;
   Losses states_lost_;
   Losses commands_lost_;
   Losses losses_;  ///< of both, by chance

@@ -195,8 +195,13 @@ void PeopleAtPage::Come() {
   const auto there =
       std::ranges::count_if(browsers_, [](const auto& one) { return !one->has_gone; });
   if (there >= static_cast<std::ptrdiff_t>(kMost)) return;
-  browsers_.push_back(std::make_unique<Browser>(*this, ++came_, clock_.now));
+  Connect();
+}
+
+PeopleAtPage::Browser& PeopleAtPage::Connect() {
+  browsers_.push_back(std::make_unique<Browser>(*this, browsers_.size() + 1, clock_.now));
   server_->OnConnect(*browsers_.back());
+  return *browsers_.back();
 }
 
 void PeopleAtPage::Go(Browser& browser, std::string_view why) {
@@ -323,9 +328,7 @@ void PeopleAtPage::ActAs(Browser& browser) {
 void PeopleAtPage::EndSession() {
   if (ended_) return;
   if (operator_ == 0) {
-    browsers_.push_back(std::make_unique<Browser>(*this, ++came_, clock_.now));
-    Browser& last = *browsers_.back();
-    server_->OnConnect(last);
+    Browser& last = Connect();
     SayHello(last, true);
     Take(last);
   }

@@ -54,6 +54,7 @@ class PeopleAtPage final : public teleop::Device {
 
   void Act(Time now);
   void Come();
+  Browser& Connect();
   void Go(Browser& browser, std::string_view why);
   void ActAs(Browser& browser);
   void Say(Browser& browser, const std::string& text);
@@ -78,7 +79,6 @@ class PeopleAtPage final : public teleop::Device {
   page::PageDevice device_{channel_, "the campaign's", page::PageDevice::Presses::kAll};
   std::optional<page::OperatorServer> server_;
   std::vector<std::unique_ptr<Browser>> browsers_;  ///< also those that have gone
-  std::uint64_t came_ = 0;
 
   // What the rules say.
   std::uint64_t operator_ = 0;  ///< 0: none

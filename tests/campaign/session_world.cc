@@ -224,7 +224,7 @@ class SessionWorld {
     if (!is_bad && std::holds_alternative<setting::CollisionBehavior>(setting)) {
       setting = scenario::NoCollisionBehavior();
     }
-    // Nor would the arm hold itself.
+    // INT would hold up a load that MuJoCo's arm does not carry.
     if (!is_bad && is_mujoco_ && std::holds_alternative<setting::Load>(setting)) {
       setting = setting::Load();
     }

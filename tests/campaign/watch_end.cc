@@ -123,7 +123,7 @@ void Watch::End(const run::RunResult& result) {
                                 "of {}, {}",
                                 timings.written, timings.skipped_states, written_, skipped_));
   }
-  messages_.End();
+  messages_.End(written_, counts_.served + counts_.dropped);
   CheckHand(result);
   CheckEnd(result);
   CheckUndisturbed(result);
