@@ -1,7 +1,9 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -10,7 +12,9 @@
 #include "run/resolve.h"
 #include "twin/core/error.h"
 #include "twin/core/hand_command.h"
+#include "twin/model/arm_model.h"
 #include "twin/model/lab_limits.h"
+#include "twin/model/transform.h"
 #include "twin/onboard/stop_proof.h"
 #include "twin/run/islands.h"
 #include "twin/run/robot_config.h"
@@ -89,6 +93,64 @@ class MotionLimits {
   const Duration end_;
 };
 
+/// What of the end effector's motion needs the largest stretch in time.
+struct EndEffectorPeak {
+  double stretch = 0;          ///< of all times, to bring `value` to its permitted share
+  Duration at{};               ///< since the motion began
+  bool turns = false;          ///< or moves
+  std::size_t derivative = 0;  ///< speed, acceleration, jerk
+  double value = 0;            ///< in SI units
+  double limit = 0;
+};
+
+std::string Describe(const EndEffectorPeak& peak) {
+  constexpr std::array<std::string_view, 3> kNames{"a speed", "an acceleration", "a jerk"};
+  constexpr std::array<std::string_view, 3> kPer{"s", "s^2", "s^3"};
+  return fmt::format("the end effector {} at {} of {:.6g} {}/{}, its limit is {:.6g}",
+                     peak.turns ? "turns" : "moves", kNames[peak.derivative], peak.value,
+                     peak.turns ? "rad" : "m", kPer[peak.derivative], peak.limit);
+}
+
+/// @param shares  permitted, of the limits.
+EndEffectorPeak PeakOf(const CartesianLimits& limits, const reference::Timing& shares,
+                       const Transform& F_T_EE, const reference::Trajectory& trajectory) {
+  const std::array<double, 3> share{shares.velocity_scale, shares.acceleration_scale,
+                                    shares.jerk_scale};
+  EndEffectorPeak peak;
+  const auto compare = [&](Duration t, std::size_t derivative, const Vector6& rate) {
+    for (const bool turns : {false, true}) {
+      const CartesianBound& bound = turns ? limits.rotation : limits.translation;
+      const double limit = std::array{bound.dp_max, bound.ddp_max, bound.dddp_max}[derivative];
+      const double value = HalfNorm(rate, turns ? 3 : 0);
+      const double stretch =
+          std::pow(value / (limit * share[derivative] * reference::kAdmissibleShare),
+                   1.0 / static_cast<double>(derivative + 1));
+      if (stretch > peak.stretch) peak = {stretch, t, turns, derivative, value, limit};
+    }
+  };
+  const auto pose_at = [&](Duration t) {
+    return model::ArmModel::Panda().Pose(model::Frame::kEndEffector, trajectory.Sample(t).q,
+                                         F_T_EE);
+  };
+  Transform last = pose_at(Duration::zero());
+  std::array<Vector6, 3> rates{};
+  const Duration end = trajectory.duration() + static_cast<std::int64_t>(rates.size()) * kCycle;
+  for (Duration t = kCycle; t < end; t += kCycle) {
+    const Transform now = pose_at(t);
+    Vector6 change = model::WayTo(last, now);
+    for (std::size_t i = 0; i < rates.size(); ++i) {
+      for (std::size_t k = 0; k < change.size(); ++k) {
+        const double rate = change[k] / kT;
+        change[k] = rate - rates[i][k];
+        rates[i][k] = rate;
+      }
+      compare(t, i, rates[i]);
+    }
+    last = now;
+  }
+  return peak;
+}
+
 model::LimitedArm ArmOf(const scenario::Scenario& scenario, const scenario::RobotData& robot) {
   return {robot.F_T_EE(scenario.onboard.NE_T_EE), scenario.robot.hand != plant::HandKind::kNone};
 }
@@ -143,6 +205,35 @@ void RequireVelocitiesByPosition(const JointLimits& limits, const Motion& motion
           WhenText(t, end), i + 1, dq, bound, target.q[i], limits.q_min[i], limits.q_max[i]));
     }
   }
+}
+
+double EndEffectorStretch(const scenario::Scenario& scenario, const scenario::RobotData& robot,
+                          const reference::Trajectory& trajectory) {
+  const scenario::MotionSection& motion = scenario.motion;
+  if (motion.interface != control::CommandInterface::kCartesianPose) return 1;
+  const double stretch =
+      PeakOf(robot.cartesian, motion.timing, robot.F_T_EE(scenario.onboard.NE_T_EE), trajectory)
+          .stretch;
+  constexpr double kBetweenSamples = 1.0001;
+  return stretch <= 1 ? 1 : stretch * kBetweenSamples;
+}
+
+void RequireEndEffectorWithinLimits(const CartesianLimits& limits, const Transform& F_T_EE,
+                                    const Motion& motion) {
+  if (motion.interface != control::CommandInterface::kCartesianPose || motion.live != nullptr ||
+      motion.poses) {
+    return;
+  }
+  constexpr reference::Timing kWhole{
+      .duration = {}, .velocity_scale = 1, .acceleration_scale = 1, .jerk_scale = 1};
+  const EndEffectorPeak peak = PeakOf(limits, kWhole, F_T_EE, motion.trajectory);
+  if (peak.stretch <= 1) return;
+  const Duration end = motion.trajectory.duration();
+  throw InputError(
+      fmt::format("motion: {}: {}; the same path is admissible from {:.3f} s in all: give the "
+                  "motion more time, or command the joints",
+                  WhenText(peak.at, end), Describe(peak),
+                  std::ceil(ToSeconds(end) * peak.stretch * 1e3) / 1e3));
 }
 
 void RequireStartWithinLimits(const scenario::Scenario& scenario, const scenario::RobotData& robot,

@@ -92,7 +92,9 @@ reference::Trajectory PlanMotion(const scenario::Scenario& scenario,
     planning::PlanOutcome outcome = Question(scenario, robot, start, *around, clock).Answer();
     if (auto* found = std::get_if<planning::Plan>(&outcome)) {
       statistics = found->statistics;
-      reference::Trajectory trajectory = Stretched(std::move(*found), plan.stretch, robot.limits);
+      const double needed = EndEffectorStretch(scenario, robot, found->trajectory);
+      reference::Trajectory trajectory =
+          Stretched(std::move(*found), plan.stretch * needed, robot.limits);
       statistics.duration = trajectory.duration();
       return trajectory;
     }

@@ -71,6 +71,7 @@ PreparedMotion::PreparedMotion(const scenario::Scenario& scenario, const scenari
       controller_loop_(MakeControllerLoop(scenario.controller)),
       controller_(MakeController(scenario, robot, motion_, F_T_EE_, known)) {
   RequireVelocitiesByPosition(robot.limits, motion_);
+  RequireEndEffectorWithinLimits(robot.cartesian, F_T_EE_, motion_);
   RequireWithinLimits(scenario, robot, motion_);
 }
 

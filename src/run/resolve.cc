@@ -312,7 +312,14 @@ reference::Trajectory MakeTrajectory(const scenario::Scenario& scenario,
   if (scenario.motion.plan) {
     throw InputError("motion.plan: its points are known only once it is planned, by a run");
   }
-  return reference::Trajectory(scenario.motion.waypoints, scenario.motion.timing, robot.limits);
+  const scenario::MotionSection& motion = scenario.motion;
+  reference::Trajectory trajectory(motion.waypoints, motion.timing, robot.limits);
+  if (motion.timing.duration || motion.waypoints.front().at) return trajectory;
+  const double stretch = EndEffectorStretch(scenario, robot, trajectory);
+  if (stretch == 1) return trajectory;
+  reference::Timing slower = motion.timing;
+  slower.duration = FromSeconds(ToSeconds(trajectory.duration()) * stretch);
+  return reference::Trajectory(motion.waypoints, slower, robot.limits);
 }
 
 Motion MotionOf(const scenario::Scenario& scenario, const scenario::RobotData& robot,

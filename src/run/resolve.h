@@ -59,6 +59,18 @@ void RequireWithinLimits(const scenario::Scenario& scenario, const scenario::Rob
 /// ends of its range, in any cycle. @throws InputError
 void RequireVelocitiesByPosition(const JointLimits& limits, const Motion& motion);
 
+/// Factor, 1 or more, on the time of the scenario's motion along joint positions. Commanded as
+/// poses it brings the end effector's speed, acceleration and jerk to the motion's shares of its
+/// limits, by differences of the poses in successive cycles.
+[[nodiscard]] double EndEffectorStretch(const scenario::Scenario& scenario,
+                                        const scenario::RobotData& robot,
+                                        const reference::Trajectory& trajectory);
+
+/// Refuses a motion of joints on the pose interface that takes the end effector beyond its limits,
+/// by the same differences. @throws InputError
+void RequireEndEffectorWithinLimits(const CartesianLimits& limits, const Transform& F_T_EE,
+                                    const Motion& motion);
+
 /// Refuses a robot that stands outside the scenario's regions. @throws model::LimitBreach
 void RequireStartWithinLimits(const scenario::Scenario& scenario, const scenario::RobotData& robot,
                               const JointVector& q);

@@ -26,9 +26,11 @@ Value At(std::optional<Duration>& at) {
 }
 
 void AddDuration(Map& map, reference::Timing& timing) {
-  map.Add("duration",
-          Optional(timing.duration, [](Duration& all) { return TimeSpan(all, Duration(1), kDay); }),
-          "Total time; absent: as fast as the shares of the limits allow.");
+  map.Add(
+      "duration",
+      Optional(timing.duration, [](Duration& all) { return TimeSpan(all, Duration(1), kDay); }),
+      "Total time; absent: as fast as the shares allow of the limits of the joints and, commanded "
+      "as poses, of the end effector.");
 }
 
 /// {q: [7 numbers], at: 0 s, stop: true}. @param unit  factor to rad.

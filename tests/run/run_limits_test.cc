@@ -1,4 +1,4 @@
-// Motions against the limits of a lab: refused, or planned within them.
+// Motions against the limits of a lab and of the end effector: refused, or planned within them.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -189,6 +189,46 @@ motion:
       - {q: [2.72, -0.7854, 0, -2.3562, 0, 1.5708, 0.7854]}
 )")) << "a motion without times takes its time";
   EXPECT_NO_THROW((void)Prepare("{}", text("panda", 0.75)));
+}
+
+/// A wrist that turns fast: joints 4 and 6 by almost 0.4 rad, from rest to rest.
+std::string TurningText(const std::string& pace, const std::string& interface = "cartesian_pose") {
+  return fmt::format(R"(motion:
+  interface: {}
+  trajectory:
+    unit: rad
+    {}
+    waypoints:
+      - {{q: [0.076, -0.756, 0.036, -2.470, 0.197, 1.294, 0.984]}}
+      - {{q: [0.058, -0.883, -0.132, -2.148, 0.261, 1.646, 1.082]}}
+)",
+                     interface, pace);
+}
+
+// Campaign, world 426851: the robot would abort such a motion.
+TEST_F(RunLimitsTest, RefusesPosesThatTheEndEffectorCannotFollow) {
+  EXPECT_THAT(Refusal("{}", TurningText("duration: 0.5 s")),
+              AllOf(HasSubstr("the end effector turns at a speed of"), HasSubstr("limit is 2.5"),
+                    HasSubstr("admissible from 0.63")));
+  EXPECT_EQ(Prepare("{}", TurningText("duration: 0.64 s")).duration(), FromSeconds(0.64));
+  EXPECT_EQ(Prepare("{}", TurningText("duration: 0.5 s", "joint_position")).duration(),
+            FromSeconds(0.5))
+      << "the robot does not limit the end effector on commands to the joints";
+}
+
+TEST_F(RunLimitsTest, GivesPosesTheTimeThatTheEndEffectorNeeds) {
+  const std::string pace = "acceleration_scale: 0.8";
+  const Duration joints = Prepare("{}", TurningText(pace, "joint_position")).duration();
+  const reference::Trajectory poses = Prepare("{}", TurningText(pace));
+  EXPECT_GT(poses.duration(), joints);
+  double fastest = 0;
+  for (Duration t{}; t < poses.duration(); t += kCycle) {
+    const reference::JointTarget target = poses.Sample(t);
+    fastest = std::max(
+        fastest,
+        HalfNorm(model::ArmModel::Panda().Twist(model::Frame::kFlange, target.q, target.dq), 3));
+  }
+  EXPECT_NEAR(fastest, 0.5 * 2.5, 1e-3) << "half the limit, as velocity_scale says by default";
 }
 
 }  // namespace
