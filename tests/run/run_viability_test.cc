@@ -18,9 +18,9 @@ namespace {
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
-class ScenarioViabilityTest : public ::testing::TestWithParam<std::uint64_t> {
+class ViabilityTest : public ::testing::Test {
  protected:
-  ScenarioViabilityTest() {
+  ViabilityTest() {
     plugins::RegisterMujoco(backends_);
     controllers_.Add("joint_trajectory", [](const control::ControllerRequest& request) {
       controllers::JointTrajectoryOptions options;
@@ -29,6 +29,28 @@ class ScenarioViabilityTest : public ::testing::TestWithParam<std::uint64_t> {
     });
   }
 
+  /// Runs of lost commands, `longest` of them in a row, every 211 ms, at times of the seed's.
+  static void Lose(scenario::Scenario& scenario, std::uint32_t longest) {
+    scenario::ScriptedLoss script;
+    for (int k = 1; k < 34; ++k) {
+      script.bursts.push_back(
+          {milliseconds(211 * k + static_cast<int>(scenario.seed) * 37), longest});
+    }
+    scenario.link.command.loss.law = script;
+  }
+  [[nodiscard]] RunResult Run(const scenario::Scenario& scenario) const {
+    run::Run run(scenario, {backends_, controllers_}, {models_, {}, {}, false}, nullptr);
+    return run.Execute();
+  }
+
+  const std::filesystem::path models_ = std::filesystem::path(TWIN_SOURCE_DIR) / "models";
+  backend::Registry backends_;
+  control::ControllerRegistry controllers_;
+};
+
+class ScenarioViabilityTest : public ViabilityTest,
+                              public ::testing::WithParamInterface<std::uint64_t> {
+ protected:
   /// The brisk trajectory as joint positions behind the paper's generator, on the ideal plant, by a
   /// loop whose deposits fall on the arrival of states.
   [[nodiscard]] scenario::Scenario Brisk() const {
@@ -42,22 +64,6 @@ class ScenarioViabilityTest : public ::testing::TestWithParam<std::uint64_t> {
     scenario.controller.wake_delay.law = faults::NormalDelay{microseconds(20), microseconds(4)};
     return scenario;
   }
-  /// Runs of lost commands, `longest` of them in a row, every 211 ms.
-  static void Lose(scenario::Scenario& scenario, std::uint32_t longest) {
-    scenario::ScriptedLoss script;
-    for (int k = 1; k < 34; ++k) {
-      script.bursts.push_back({milliseconds(211 * k + static_cast<int>(GetParam()) * 37), longest});
-    }
-    scenario.link.command.loss.law = script;
-  }
-  [[nodiscard]] RunResult Run(const scenario::Scenario& scenario) const {
-    run::Run run(scenario, {backends_, controllers_}, {models_, {}, {}, false}, nullptr);
-    return run.Execute();
-  }
-
-  const std::filesystem::path models_ = std::filesystem::path(TWIN_SOURCE_DIR) / "models";
-  backend::Registry backends_;
-  control::ControllerRegistry controllers_;
 };
 
 TEST_P(ScenarioViabilityTest, BurstsOf19AreBridged) {
@@ -103,21 +109,31 @@ TEST_P(ScenarioViabilityTest, VelocitiesAreKeptLegalUnderLosses) {
   EXPECT_NE(result.report.end, backend::MotionEnd::kAborted) << result.report.failure;
 }
 
-TEST_P(ScenarioViabilityTest, APoseStreamUnderLossesIsKeptLegalToo) {
+// Of poses the joints are kept legal as well as the filter can: src/reference/VIABILITY.md,
+// "Poses".
+TEST_F(ViabilityTest, TheFilterSavesMostRawStreamsOfPosesAndTheRejoiningGeneratorAll) {
   scenario::Scenario scenario = scenario::Load(models_ / "scenarios" / "cartesian.yaml");
-  scenario.seed = GetParam();
   scenario.record = false;
   scenario.plant.kind = robot::PlantKind::kIdeal;
   for (reference::Waypoint& waypoint : scenario.motion.waypoints) waypoint.at.reset();
   scenario.motion.timing = {.velocity_scale = 0.6, .acceleration_scale = 0.5, .jerk_scale = 0.3};
+  constexpr int kSeeds = 20;
+  const auto aborted = [&](std::uint32_t longest) {
+    int count = 0;
+    for (scenario.seed = 1; scenario.seed <= kSeeds; ++scenario.seed) {
+      Lose(scenario, longest);
+      count += Run(scenario).report.end == backend::MotionEnd::kAborted ? 1 : 0;
+    }
+    return count;
+  };
   scenario.tick.generator = loop::Generator::kNone;
   scenario.tick.viability.reset();
-  Lose(scenario, 10);
-  EXPECT_EQ(Run(scenario).report.end, backend::MotionEnd::kAborted);
+  const int unfiltered = aborted(10);
+  EXPECT_GT(unfiltered, kSeeds / 2);
   scenario.tick.viability = 19;
-  const RunResult result = Run(scenario);
-  EXPECT_TRUE(result.report.violations.empty());
-  EXPECT_NE(result.report.end, backend::MotionEnd::kAborted) << result.report.failure;
+  EXPECT_LT(aborted(10), unfiltered / 3);
+  scenario.tick.generator = loop::Generator::kRejoining;
+  EXPECT_EQ(aborted(19), 0);
 }
 
 TEST_P(ScenarioViabilityTest, TheRejoiningGeneratorFollowsUnderJitterAndBursts) {
