@@ -135,7 +135,7 @@ bool IsClientWorld(std::uint64_t seed) {
 Outcome RunClientWorld(std::uint64_t seed, const run::Catalogue& catalogue,
                        const run::RunFiles& files) {
   if (IsGoalWorld(seed)) return RunGoalWorld(seed, catalogue, files);
-  if (IsSessionWorld(seed)) return RunSessionWorld(seed);
+  if (IsSessionWorld(seed)) return RunSessionWorld(seed, files);
   Outcome outcome = RunStreamWorld(DrawWirePlan(seed));
   if (!outcome.finding) outcome.finding = RunInProcess(test::DrawPlan(seed));
   return outcome;

@@ -12,12 +12,15 @@
 #include <fmt/ranges.h>
 
 #include "campaign/bystanders.h"
+#include "campaign/session_path.h"
 #include "campaign/wire_client.h"
 #include "conformance/dice.h"
 #include "conformance/mode_rules.h"
 #include "conformance/stream_plan.h"
 #include "contract/backend_harness.h"
 #include "twin/core/error.h"
+#include "twin/run/remote.h"
+#include "twin/run/robot_config.h"
 #include "twin/scenario/scenario.h"
 #include "twin/server/served_robot.h"
 
@@ -28,6 +31,10 @@ using test::Ask;
 using test::Dice;
 
 constexpr std::uint8_t kSuccess = 0;
+/// Between a command and the reference that a state shows, in SI units.
+constexpr double OffOf(fci::Protocol protocol) {
+  return protocol == fci::Protocol::k5 ? 1e-9 : 1e-6;  // an FR3's states are single precision
+}
 template <typename Status>
 std::uint8_t Byte(Status status) {
   return static_cast<std::uint8_t>(status);
@@ -77,14 +84,26 @@ class ToldMotions {
   std::atomic<int> ended_ = 0;
 };
 
+robot::RobotConfig RobotOf(fci::Protocol protocol, robot::PlantKind plant,
+                           const run::RunFiles& files) {
+  if (protocol == fci::Protocol::k5) return test::HarnessRobot(plant);
+  scenario::Scenario scenario = run::DefaultServed();
+  scenario.robot.model = "fr3";
+  scenario.plant.kind = plant;
+  return run::MakeServedConfig(scenario, files);
+}
+
 /// One world: a robot, and clients one after the other.
 class SessionWorld {
  public:
-  explicit SessionWorld(std::uint64_t seed)
-      // Of dice of its own, as the hand is: other sessions do not depend on it.
-      : dice_(seed), is_mujoco_(Dice(seed + (1ULL << 40)).Chance(0.25)) {
-    robot::RobotConfig config =
-        test::HarnessRobot(is_mujoco_ ? robot::PlantKind::kMujoco : robot::PlantKind::kIdeal);
+  SessionWorld(std::uint64_t seed, const run::RunFiles& files)
+      // Of dice of their own, as the hand is: other sessions do not depend on them.
+      : dice_(seed),
+        is_mujoco_(Dice(seed + (1ULL << 40)).Chance(0.25)),
+        protocol_(Dice(seed + (1ULL << 41)).Chance(1.0 / 3) ? fci::Protocol::k10
+                                                            : fci::Protocol::k5) {
+    robot::RobotConfig config = RobotOf(
+        protocol_, is_mujoco_ ? robot::PlantKind::kMujoco : robot::PlantKind::kIdeal, files);
     config.onboard.collision_behavior = scenario::NoCollisionBehavior();
     config.plant.hand =
         Dice(~seed).Chance(0.25) ? plant::HandKind::kCobotPump : plant::HandKind::kFrankaHand;
@@ -137,7 +156,7 @@ class SessionWorld {
   [[nodiscard]] bool Grants(Ask ask) const { return Expect(now_, ask).accepted; }
 
   void ServeOne() {
-    client_.emplace(service_->arm());
+    client_.emplace(service_->arm(), protocol_);
     motion_.reset();
     Note("connect");
     if (dice_.Chance(0.1)) return RefuseOpening();
@@ -161,7 +180,8 @@ class SessionWorld {
     if (dice_.Chance(0.5)) {
       Note("another version");
       fci::Connect hello = client_->Hello();
-      hello.version = static_cast<std::uint16_t>(dice_.Chance(0.5) ? 10 : dice_.Whole(0, 4));
+      const auto other = static_cast<std::uint16_t>(15 - hello.version);  // 10 for 5
+      hello.version = dice_.Chance(0.5) ? other : static_cast<std::uint16_t>(dice_.Whole(0, 4));
       const std::uint8_t status = client_->Ask(hello);
       Require(status != kSuccess, "another version is taken", status);
     } else {
@@ -200,10 +220,14 @@ class SessionWorld {
   Asked DrawRequest(std::vector<std::byte>& bytes) {
     switch (dice_.Whole(0, 4)) {
       case 0: {
+        if (protocol_ == fci::Protocol::k10) {
+          return {client_->Frame(fci::GetRobotModel(), bytes), "robot model", {kSuccess}};
+        }
         const auto id = static_cast<std::int32_t>(dice_.Whole(-3, 10));
         return {client_->Frame(fci::GetCartesianLimit{id}, bytes), "limit", {kSuccess}};
       }
       case 1: {  // none is served
+        if (protocol_ == fci::Protocol::k10) break;
         const fci::LoadModelLibrary machine{static_cast<fci::Architecture>(dice_.Whole(0, 5)),
                                             static_cast<fci::OperatingSystem>(dice_.Whole(0, 3))};
         return {client_->Frame(machine, bytes), "library", {Byte(fci::ModelLibraryStatus::kError)}};
@@ -219,6 +243,9 @@ class SessionWorld {
       default: break;
     }
     Setting setting = test::DrawSetting(static_cast<std::uint64_t>(dice_.Whole(0, 1 << 30)));
+    if (protocol_ == fci::Protocol::k10 && std::holds_alternative<setting::Filters>(setting)) {
+      setting = setting::GuidingMode();
+    }
     const bool is_bad = FindBadValue(setting).has_value();
     // With other thresholds, a load that is not there would be a collision.
     if (!is_bad && std::holds_alternative<setting::CollisionBehavior>(setting)) {
@@ -228,6 +255,7 @@ class SessionWorld {
     if (!is_bad && is_mujoco_ && std::holds_alternative<setting::Load>(setting)) {
       setting = setting::Load();
     }
+    is_filtered_ = is_filtered_ || std::holds_alternative<setting::Filters>(setting);
     const auto invalid = Byte(SetterStatus::kInvalidArgumentRejected);
     const auto impossible = Byte(SetterStatus::kCommandNotPossibleRejected);
     Asked asked{client_->Frame(setting, bytes), std::string(Name(setting)), {}};
@@ -285,7 +313,7 @@ class SessionWorld {
   /// While one is served another is turned away, and the first one notices nothing.
   void TrySecondClient() {
     Note("a second client");
-    WireClient other(service_->arm());
+    WireClient other(service_->arm(), protocol_);
     std::vector<std::byte> bytes;
     other.Frame(other.Hello(), bytes);
     other.Send(bytes);
@@ -298,6 +326,10 @@ class SessionWorld {
     fci::Move move;
     move.modes = {static_cast<ControllerMode>(dice_.Whole(0, 2)),
                   static_cast<MotionGeneratorMode>(dice_.Whole(1, 4))};
+    const bool is_torque = move.modes.controller == ControllerMode::kExternalController;
+    if (protocol_ == fci::Protocol::k10 && is_torque && dice_.Chance(0.5)) {
+      move.modes.generator = MotionGeneratorMode::kNone;
+    }
     return move;
   }
 
@@ -323,17 +355,7 @@ class SessionWorld {
     motion_ = id;
     ++motions_;
     client_->OweEnd(id);
-    RunMotion();
-  }
-
-  static RobotCommand Same(const RobotState& state) {
-    RobotCommand command;
-    command.q_c = state.q_d;
-    command.O_T_EE_c = state.O_T_EE_c;
-    // The arm holds itself without. In one step it would be too much where a controller has held
-    // it.
-    for (std::size_t i = 0; i < kJoints; ++i) command.tau_J_d[i] = 0.99 * state.tau_J_d[i];
-    return command;
+    RunMotion(move.modes);
   }
 
   /// The state that a motion's start shows in.
@@ -367,33 +389,44 @@ class SessionWorld {
     throw BrokenPromise("the robot does not go on after an answer");
   }
 
-  void RunMotion() {
+  void RunMotion(const MotionModes& modes) {
     now_.mode = RobotMode::kMove;
     has_begun_ = false;
     RobotState state = AwaitMove();
-    for (int i = dice_.Whole(1, 30); i > 0; --i) {
-      state = Answer(state, Same(state));
+    const SessionPath path(dice_, state, modes);
+    const int all = dice_.Chance(0.7) ? path.cycles() : dice_.Whole(1, path.cycles());
+    for (int k = 1; k <= all; ++k) {
+      state = Answer(state, path.At(state, k));
       if (state.robot_mode != RobotMode::kMove) {
-        throw BrokenPromise(fmt::format("a motion that stands still is ended: {}",
-                                        FormatErrors(state.reflex_reason)));
+        throw BrokenPromise(fmt::format("cycle {} of {} of a gentle motion is its last: {}", k,
+                                        path.cycles(), FormatErrors(state.reflex_reason)));
+      }
+      if (const double off = path.Off(state, k); !is_filtered_ && off > OffOf(protocol_)) {
+        throw BrokenPromise(
+            fmt::format("after {} of {} commands the reference is off its path by "
+                        "{:.3g}",
+                        k, path.cycles(), off));
       }
       if (dice_.Chance(0.1)) AskSeveral();
       if (dice_.Chance(0.05)) SendJunk();
       if (dice_.Chance(0.03)) TrySecondClient();
       if (dice_.Chance(0.03)) AskForRecovery();
     }
-    EndMotion(state);
+    EndMotion(path, all, state);
   }
 
-  void EndMotion(const RobotState& state) {
+  /// @param k  commands so far.
+  void EndMotion(const SessionPath& path, int k, const RobotState& state) {
     switch (dice_.Whole(0, 3)) {
       case 0: {
         Note("finish");
-        RobotCommand last = Same(state);
-        last.motion_generation_finished = true;
         // As long as it is in motion it waits for answers.
         RobotState now = state;
-        while (now.robot_mode == RobotMode::kMove) now = Answer(now, last);
+        while (now.robot_mode == RobotMode::kMove) {
+          RobotCommand next = path.At(now, ++k);
+          next.motion_generation_finished = k > path.cycles();
+          now = Answer(now, next);
+        }
         return AwaitEnd(MoveStatus::kSuccess, RobotMode::kIdle);
       }
       case 1: {
@@ -404,7 +437,7 @@ class SessionWorld {
       }
       case 2: {
         Note("step");
-        RobotCommand step = Same(state);
+        RobotCommand step = path.At(state, k + 1);
         step.q_c[0] += 1;
         step.dq_c[0] += 10;
         step.O_T_EE_c[12] += 1;
@@ -441,7 +474,8 @@ class SessionWorld {
         Note("malformed frame");
         std::vector<std::byte> bytes;
         client_->Frame(DrawMove(), bytes);
-        bytes[8] = static_cast<std::byte>(dice_.Whole(0, 67));  // its size; 68 is right
+        bytes[8] =
+            static_cast<std::byte>(dice_.Whole(0, static_cast<int>(bytes.size()) - 1));  // its size
         client_->Send(bytes);
         client_->AwaitClosed();
       }
@@ -451,6 +485,7 @@ class SessionWorld {
 
   Dice dice_;
   const bool is_mujoco_;
+  const fci::Protocol protocol_;
   CycleWatch watch_;
   ToldMotions told_;
   std::optional<server::ServedRobot> service_;
@@ -459,6 +494,7 @@ class SessionWorld {
   std::vector<std::string> done_;
   test::Situation now_;
   std::optional<std::uint32_t> motion_;  ///< command_id of the running motion's Move
+  bool is_filtered_ = false;             ///< INT may smooth commands
   int motions_ = 0;                      ///< that were started
   bool has_begun_ = false;               ///< the motion's first command was taken
   bool left_moving_ = false;             ///< the last client left in motion
@@ -466,8 +502,8 @@ class SessionWorld {
 
 }  // namespace
 
-Outcome RunSessionWorld(std::uint64_t seed) {
-  return SessionWorld(seed).Run();
+Outcome RunSessionWorld(std::uint64_t seed, const run::RunFiles& files) {
+  return SessionWorld(seed, files).Run();
 }
 
 }  // namespace twin::campaign

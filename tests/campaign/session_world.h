@@ -12,6 +12,6 @@ namespace twin::campaign {
 /// anywhere. Loopback sockets; the robot in lockstep.
 ///
 /// Threads: any.
-[[nodiscard]] Outcome RunSessionWorld(std::uint64_t seed);
+[[nodiscard]] Outcome RunSessionWorld(std::uint64_t seed, const run::RunFiles& files);
 
 }  // namespace twin::campaign

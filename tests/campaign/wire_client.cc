@@ -19,14 +19,15 @@ constexpr std::uint32_t kLoopback = 0x7f000001;
 
 }  // namespace
 
-WireClient::WireClient(const fci::Endpoint& arm)
-    : udp_(clock_, {kLoopback, 0}),
+WireClient::WireClient(const fci::Endpoint& arm, fci::Protocol protocol)
+    : protocol_(protocol),
+      udp_(clock_, {kLoopback, 0}),
       tcp_(fci::TcpStream::Connect(arm, kPatience)),
       reader_(fci::HeadKind::kArm, fci::kLargestModelLibrary) {}
 
 std::uint32_t WireClient::Frame(const fci::ArmRequest& request, std::vector<std::byte>& bytes) {
   const std::uint32_t id = ++last_command_id_;
-  const std::vector<std::byte> frame = fci::EncodeRequest(id, request);
+  const std::vector<std::byte> frame = fci::EncodeRequest(id, request, protocol_);
   bytes.insert(bytes.end(), frame.begin(), frame.end());
   owed_[id] = fci::CommandOf(request);
   return id;
@@ -72,11 +73,11 @@ bool WireClient::Take() {
     if (owed == owed_.end()) {
       throw BrokenPromise(fmt::format("an answer to request {} that none is owed to", id));
     }
-    if (frame->head.command != static_cast<std::uint32_t>(owed->second)) {
+    if (frame->head.command != fci::NumberOf(protocol_, owed->second)) {
       throw BrokenPromise(fmt::format("request {} is {}, its answer is to {}", id,
                                       Name(owed->second), frame->head.command));
     }
-    const auto parsed = fci::ParseArmAnswer(owed->second, *frame);
+    const auto parsed = fci::ParseArmAnswer(owed->second, *frame, protocol_);
     if (const auto* bad = std::get_if<fci::BadFrame>(&parsed)) throw BrokenPromise(bad->what);
     kept_.emplace(id, std::get<fci::ArmAnswer>(parsed).status);
     answered_.push_back(id);
@@ -114,15 +115,15 @@ void WireClient::AwaitClosed() {
 
 std::optional<RobotState> WireClient::AwaitState(std::uint64_t above, Duration longest) {
   const Time deadline = clock_.Now() + longest;
-  std::array<std::byte, fci::kStateBytes + 1> buffer{};
+  std::array<std::byte, fci::kStateBytes + 1> buffer{};  // protocol 5 has the longer ones
   std::optional<RobotState> newest;
   while (true) {
     while (const auto datagram = udp_.Receive(buffer)) {
       RobotState state;
-      if (datagram->bytes.size() != fci::kStateBytes) {
+      if (datagram->bytes.size() != fci::StateBytesOf(protocol_)) {
         throw BrokenPromise(fmt::format("a state of {} bytes", datagram->bytes.size()));
       }
-      if (fci::Decode(datagram->bytes, state) != fci::DatagramFault::kNone) {
+      if (fci::Decode(protocol_, datagram->bytes, state) != fci::DatagramFault::kNone) {
         throw BrokenPromise("a state that cannot be read");
       }
       if (const auto bad = test::FindNotFinite(state)) throw BrokenPromise(*bad);
@@ -144,9 +145,8 @@ void WireClient::SendDatagram(std::span<const std::byte> bytes) {
 }
 
 void WireClient::Command(const RobotCommand& command) {
-  fci::CommandBytes bytes{};
-  fci::Encode(command, bytes);
-  SendDatagram(bytes);
+  fci::AnyCommandBytes bytes{};
+  SendDatagram(fci::Encode(protocol_, command, bytes));
 }
 
 }  // namespace twin::campaign

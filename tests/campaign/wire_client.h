@@ -27,11 +27,11 @@ class BrokenPromise : public std::runtime_error {
 /// Threads: one, which waits. Errors: BrokenPromise; RobotFault if nobody listens.
 class WireClient {
  public:
-  explicit WireClient(const fci::Endpoint& arm);
+  WireClient(const fci::Endpoint& arm, fci::Protocol protocol);
 
   /// The request that opens a session in order.
   [[nodiscard]] fci::Connect Hello() const {
-    return {fci::VersionOf(fci::Protocol::k5), udp_.local().port};
+    return {fci::VersionOf(protocol_), udp_.local().port};
   }
 
   /// Makes the frame of a request and notes that an answer is owed. @returns its command_id.
@@ -64,6 +64,7 @@ class WireClient {
   bool Take();
   bool Wait(int fd, Time deadline);
 
+  const fci::Protocol protocol_;
   MonotonicClock clock_;
   fci::UdpSocket udp_;
   fci::TcpStream tcp_;
