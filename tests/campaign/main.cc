@@ -12,6 +12,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -23,6 +24,7 @@
 #include "campaign/cell_world.h"
 #include "campaign/client_world.h"
 #include "campaign/hang_watch.h"
+#include "campaign/resources.h"
 #include "campaign/scenario_world.h"
 #include "campaign/trial.h"
 #include "campaign/world.h"
@@ -48,7 +50,9 @@ constexpr std::uint64_t kPerBatchToFirst = 64;  ///< with --first
 constexpr std::size_t kMostShrunk = 5;
 constexpr double kMostRefused = 0.1;  ///< of drawn worlds, once they are enough
 constexpr std::uint64_t kEnoughWorlds = 1000;
-constexpr double kUnlikelyInAll = 8;  ///< standard deviations
+constexpr std::uint64_t kAgain = 64;     ///< worlds, for what they leave in memory
+constexpr std::int64_t kMostKept = 128;  ///< bytes, by all of them
+constexpr double kUnlikelyInAll = 8;     ///< standard deviations
 constexpr double kLossBias = 0.01;
 
 struct Options {
@@ -169,12 +173,37 @@ class Campaign {
     Report();
     const std::optional<Finding> of_losses = totals_.JudgeLosses();
     if (of_losses) Tell("all worlds together", *of_losses);
-    if (of_losses || !totals_.findings.empty()) return kExitFinding;
+    const std::optional<Finding> of_resources = JudgeResources();
+    if (of_resources) Tell("some worlds again", *of_resources);
+    if (of_losses || of_resources || !totals_.findings.empty()) return kExitFinding;
     totals_.RequireRuns(!around_);
     return 0;
   }
 
  private:
+  /// What is in use once the first worlds have run again, in a thread whose end gives back what it
+  /// keeps for itself.
+  [[nodiscard]] Resources UsedAfterWorldsAgain() {
+    std::jthread([this] {
+      for (std::uint64_t seed = options_.seed; seed - options_.seed < kAgain; ++seed) {
+        const HangWatch::World running(hang_watch_, NameOf(seed));
+        static_cast<void>(Try(seed));
+      }
+    }).join();
+    return ResourcesInUse();
+  }
+
+  /// After many worlds all that is kept for the next ones is there.
+  [[nodiscard]] std::optional<Finding> JudgeResources() {
+    if (totals_.worlds < kEnoughWorlds) return {};
+    const Resources before = UsedAfterWorldsAgain();
+    const Resources after = UsedAfterWorldsAgain();
+    if (after.heap <= before.heap + kMostKept && after.files <= before.files) return {};
+    return Finding{"memory",
+                   fmt::format("{} worlds that ran before leave {} bytes and {} files", kAgain,
+                               after.heap - before.heap, after.files - before.files)};
+  }
+
   /// Users who try their own controller want worlds of that alone.
   [[nodiscard]] bool IsOfClients(std::uint64_t seed) const {
     return !around_ && IsClientWorld(seed);
