@@ -18,10 +18,11 @@ constexpr Duration kHandLate = 12 * kCycle;  ///< from when a command is due to 
 constexpr double kHandNear = 1e-3;           ///< m
 
 /// By INT's joint impedance, of an arm that INT knows, at a rate whose matching lags by 1 mrad or
-/// two.
+/// two, by a controller that is never silent: the arm lags by as long.
 bool MustFollow(const scenario::Scenario& world) {
   const scenario::PlantSection usual;
-  return world.motion.controller == ControllerMode::kJointImpedance &&
+  const bool is_silent = std::holds_alternative<faults::EmpiricalDelay>(world.controller.cost.law);
+  return world.motion.controller == ControllerMode::kJointImpedance && !is_silent &&
          world.controller.rate_hz >= 500 && world.plant.mass_scale == 1 &&
          world.plant.base_tilt == usual.base_tilt && world.plant.arm == usual.arm;
 }
@@ -56,6 +57,7 @@ void Watch::CheckHand(const run::RunResult& result) {
 }
 
 void Watch::CheckEngine() {
+  if (path_.empty()) return;  // the start itself was refused
   const std::string warnings = engine_warnings_ ? engine_warnings_() : "";
   if (!warnings.empty()) Note("energy", "the simulation became unsound: " + warnings);
 }
@@ -76,7 +78,7 @@ void Watch::CheckUndisturbed(const run::RunResult& result) {
     Note("finish", fmt::format("nothing disturbs the motion, and it ends with {} ({})",
                                NameOf(report.end), report.failure));
   }
-  // A path of joints may be too fast for the end effector.
+  // Before a limit of the end effector the filter brakes.
   const bool is_led = world_.motion.interface == control::CommandInterface::kCartesianPose &&
                       result.viability && result.viability->kept_back > 0;
   if (result.followed.exceeds() && !is_led && MustFollow(world_)) {
