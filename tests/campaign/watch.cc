@@ -138,10 +138,11 @@ backend::Registry Watch::Watched(const backend::Registry& backends) {
     backend::Connection connection = connect(request);
     robot_ = test::ToCheck(request.robot);
     backend::Backend* const inner = connection.backend.get();
-    // Buttons are pressed inside the robot, where their time is known and their outcome is not; and
-    // the checker takes the measured arm to be where the reference is, with the load INT knows.
-    if (world_.panel.empty() && world_.plant.kind == robot::PlantKind::kIdeal &&
-        world_.robot.load == world_.onboard.load) {
+    // Buttons are pressed inside the robot, where their time is known and their outcome is not.
+    const bool is_ideal = world_.plant.kind == robot::PlantKind::kIdeal;
+    const bool is_torque = world_.motion.interface == control::CommandInterface::kTorque;
+    if (world_.panel.empty() &&
+        (is_ideal ? world_.robot.load == world_.onboard.load : !is_torque && !world_.application)) {
       specification_.emplace(*robot_, [inner] { return inner->Describe(); });
     }
     if (connection.truth != nullptr && !pushed_from_ && MustNotTouch(world_)) {

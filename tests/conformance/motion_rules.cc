@@ -258,7 +258,7 @@ void StateChecker::CheckCycle(const RobotState& s) {
     case Phase::kNone: return;
   }
   CheckSuccessRate(s);
-  if (external_acts_) return;
+  if (external_acts_ || !robot_.is_ideal) return;
   for (std::size_t i = 0; i < kJoints; ++i) {
     if (phase_ == Phase::kStarting && std::abs(s.tau_J_d[i] - last_.tau_J_d[i]) > kTorqueStep) {
       Note(fmt::format("tau_J_d[{}] steps from {} to {}", i, last_.tau_J_d[i], s.tau_J_d[i]));

@@ -134,6 +134,7 @@ CheckedRobot ToCheck(const robot::RobotConfig& robot) {
   measured.has_hand = bounds.has_hand;
   checked.filters = config.filters;
   checked.collision_behavior = config.collision_behavior;
+  checked.is_ideal = robot.plant_kind == robot::PlantKind::kIdeal;
   return checked;
 }
 

@@ -143,7 +143,9 @@ void StateChecker::OnCommand(const RobotCommand& command) {
 }
 
 void StateChecker::OnState(const RobotState& s) {
-  if (finding_) return;
+  constexpr auto kHalted = static_cast<std::size_t>(RobotError::kInstabilityDetected);
+  has_halted_ = has_halted_ || (!robot_.is_ideal && s.errors.test(kHalted));
+  if (finding_ || has_halted_) return;
   if (!has_last_) {
     has_last_ = true;
     last_ = s;
@@ -186,7 +188,7 @@ void StateChecker::CheckIdle(const RobotState& s) {
 
 void StateChecker::CheckExternal(const RobotState& s) {
   Note(FindWrongWrench(s));
-  if (load_was_set_) return;
+  if (load_was_set_ || !robot_.is_ideal) return;
   for (std::size_t i = 0; i < kJoints; ++i) {
     if (std::abs(s.tau_ext_hat_filtered[i]) <= kNoTorque) continue;
     Note(fmt::format("tau_ext_hat_filtered[{}] is {} with nothing there", i,

@@ -24,6 +24,8 @@ struct CheckedRobot {
   MeasuredLimits measured;
   setting::Filters filters;
   setting::CollisionBehavior collision_behavior;
+  /// The arm is where the reference is, and nothing touches it.
+  bool is_ideal = true;
 
   [[nodiscard]] const JointLimits& brakes_by() const {
     return own_limits ? *own_limits : limits.joints;
@@ -32,8 +34,9 @@ struct CheckedRobot {
 
 /// Watches a robot from the workstation: every request, every command, every state. Recomputes from
 /// those alone what the next state must be, and what a motion must be aborted for. Every cycle must
-/// be seen: the link loses nothing and delays nothing beyond its cycle. Made for the ideal plant,
-/// whose arm is where the reference is.
+/// be seen: the link loses nothing and delays nothing beyond its cycle. Of an arm that is not ideal
+/// torque motions are not checked, where INT takes over from what it measures, nor what comes after
+/// it closed the brakes on an arm that does not come to rest.
 ///
 /// Threads: one.
 class StateChecker {
@@ -106,6 +109,7 @@ class StateChecker {
   Finding finding_;
 
   bool has_last_ = false;
+  bool has_halted_ = false;  ///< and this ends the checks
   RobotState last_;
   std::optional<RobotCommand> command_;  ///< the newest that answers the last state
 
