@@ -139,6 +139,8 @@ void Bystanders::Operate(const ControlRequest& request, test::Ask ask, test::Sit
   if (after["mode"] != Name(now.mode)) {
     Break(fmt::format("not {}: {}", Name(now.mode), after.dump()));
   }
+  // MuJoCo's arm brakes first once it is let go, and no motion begins before it rests.
+  if (ask == Ask::kReleaseGuidingButton) Step({.verb = ControlVerb::kStep, .cycles = kStep}, now);
 }
 
 void Bystanders::Reset(const ControlRequest& reset, test::Situation& now) {

@@ -123,11 +123,9 @@ class SessionWorld {
       for (int clients = dice_.Whole(1, 4); clients > 0; --clients) ServeOne();
       outcome.end = "sessions";
     } catch (const BrokenPromise& broken) {
-      outcome.finding =
-          Finding{"session", fmt::format("{}; people were told last: {}; after: {}", broken.what(),
-                                         told_.last(), fmt::join(done_, ", "))};
+      outcome.finding = Finding{"session", WithStory(broken.what())};
     } catch (const Error& error) {
-      outcome.finding = Finding{"errors", error.what()};
+      outcome.finding = Finding{"errors", WithStory(error.what())};
     }
     const int ways_back = bystanders_->ways_back();
     bystanders_.reset();
@@ -147,6 +145,10 @@ class SessionWorld {
 
  private:
   void Note(std::string what) { done_.push_back(std::move(what)); }
+  [[nodiscard]] std::string WithStory(std::string_view what) {
+    return fmt::format("{}; people were told last: {}; after: {}", what, told_.last(),
+                       fmt::join(done_, ", "));
+  }
 
   static void Require(bool holds, std::string_view promise, std::uint8_t status) {
     if (!holds) throw BrokenPromise(fmt::format("{}, status {}", promise, status));
