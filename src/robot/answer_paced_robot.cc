@@ -33,13 +33,17 @@ std::string NamesOf(const std::map<std::string, Value>& named) {
   return names;
 }
 
+/// No cycle is late however long the machine is busy with other things.
+constexpr Duration kTimeoutInLockstep = std::chrono::seconds(10);
+
 }  // namespace
 
 AnswerPacedRobot::AnswerPacedRobot(const RobotConfig& config, std::unique_ptr<plant::Plant> plant,
                                    WorkstationPort& port, rt::Arrival& commands,
                                    const MonotonicClock& clock, rt::ThreadSettings thread,
                                    record::RecordSink* sink, const LockstepOptions& options)
-    : ThreadedRobot(config, std::move(plant), port, clock, std::move(thread), sink),
+    : ThreadedRobot(config, std::move(plant), port, clock, std::move(thread), sink,
+                    kTimeoutInLockstep),
       commands_(commands),
       options_(options),
       period_(std::chrono::duration_cast<Duration>(kCycle / options.pace.value_or(1))) {

@@ -2,23 +2,20 @@
 
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "twin/core/error.h"
 #include "twin/rt/fiber_thread.h"
 #include "twin/rt/host_time.h"
 
 namespace twin::robot {
-namespace {
-
-/// Timeout of a request to the robot's thread: a thousand cycles.
-constexpr Duration kTimeout = std::chrono::seconds(1);
-
-}  // namespace
 
 ThreadedRobot::ThreadedRobot(const RobotConfig& config, std::unique_ptr<plant::Plant> plant,
                              WorkstationPort& port, const MonotonicClock& clock,
-                             rt::ThreadSettings thread, record::RecordSink* sink)
+                             rt::ThreadSettings thread, record::RecordSink* sink, Duration timeout)
     : clock_(clock),
       thread_settings_(std::move(thread)),
+      timeout_(timeout),
       port_(port),
       robot_(config, std::move(plant), events_, *this, sink),
       calls_(clock) {}
@@ -68,10 +65,11 @@ std::invoke_result_t<Request> ThreadedRobot::Ask(Request request) const {
   const std::scoped_lock lock(requests_);
   if (!running_) return request();
   rt::FunctionCall<Request> call(std::move(request));
-  if (!calls_.Execute(call, kTimeout)) {
+  if (!calls_.Execute(call, timeout_)) {
     throw RobotFault(
-        "the robot's thread does not answer: it has not run for 1 s; this machine gives it no time "
-        "(see panda-twin check)");
+        fmt::format("the robot's thread does not answer: it has not run for {} s; this machine "
+                    "gives it no time (see panda-twin check)",
+                    ToSeconds(timeout_)));
   }
   if constexpr (!std::is_void_v<std::invoke_result_t<Request>>) return call.answer();
 }

@@ -18,12 +18,15 @@ constexpr Duration kTolerated = kCycle / 4;
 /// Commands taken per wake-up, so that a writer without pauses cannot keep the thread busy.
 constexpr int kCommandsAtOnce = 64;
 
+constexpr Duration kRequestTimeout = std::chrono::seconds(1);  // a thousand cycles
+
 }  // namespace
 
 WallClockRobot::WallClockRobot(const RobotConfig& config, std::unique_ptr<plant::Plant> plant,
                                WorkstationPort& port, const MonotonicClock& clock,
                                rt::ThreadSettings thread, record::RecordSink* sink)
-    : ThreadedRobot(config, std::move(plant), port, clock, std::move(thread), sink),
+    : ThreadedRobot(config, std::move(plant), port, clock, std::move(thread), sink,
+                    kRequestTimeout),
       catch_up_(config.catch_up) {}
 
 void WallClockRobot::OnEvent(Time /*now*/, std::uint64_t /*message_id*/) noexcept {

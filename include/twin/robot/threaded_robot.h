@@ -53,7 +53,7 @@ class ThreadedRobot : protected rt::EventHandler {
   /// shared thread stops with all that run on it.
   void End();
 
-  /// @throws RobotFault, as all requests, when the robot's thread does not answer within 1 s; the
+  /// @throws RobotFault, as all requests, when the robot's thread does not answer in time; the
   /// request then never takes effect.
   [[nodiscard]] MoveStatus Move(const MotionModes& modes);
   void StopMove();
@@ -105,10 +105,11 @@ class ThreadedRobot : protected rt::EventHandler {
   /// @param thread  setup of the robot's thread, or the thread that it shares with other robots,
   /// whose plants may then be arms of one model (plant::SharedModel); that must outlive the robot.
   /// @param plant, sink  as in Robot; the robot's thread puts sink's cycle records.
+  /// @param timeout  of a request to the robot's thread.
   /// @throws InputError as Robot.
   ThreadedRobot(const RobotConfig& config, std::unique_ptr<plant::Plant> plant,
                 WorkstationPort& port, const MonotonicClock& clock, rt::ThreadSettings thread,
-                record::RecordSink* sink);
+                record::RecordSink* sink, Duration timeout);
   /// Body of the robot's thread, until `stop` is requested.
   virtual void Run(const std::stop_token& stop) noexcept = 0;
   /// INT has granted a request; called before the reply. On the robot's thread, or while it does
@@ -146,6 +147,7 @@ class ThreadedRobot : protected rt::EventHandler {
 
   const MonotonicClock& clock_;
   const rt::ThreadSettings thread_settings_;
+  const Duration timeout_;
   WorkstationPort& port_;
   rt::EventQueue events_;
   Robot robot_;
