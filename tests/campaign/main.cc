@@ -50,9 +50,10 @@ constexpr std::uint64_t kPerBatchToFirst = 64;  ///< with --first
 constexpr std::size_t kMostShrunk = 5;
 constexpr double kMostRefused = 0.1;  ///< of drawn worlds, once they are enough
 constexpr std::uint64_t kEnoughWorlds = 1000;
-constexpr std::uint64_t kAgain = 64;     ///< worlds, for what they leave in memory
-constexpr std::int64_t kMostKept = 128;  ///< bytes, by all of them
-constexpr double kUnlikelyInAll = 8;     ///< standard deviations
+constexpr std::uint64_t kAgain = 64;  ///< worlds, for what they leave in memory
+/// Bytes, by all of them: half of what the smallest allocation makes, 32 bytes, if each leaves one.
+constexpr std::int64_t kMostKept = 1024;
+constexpr double kUnlikelyInAll = 8;  ///< standard deviations
 constexpr double kLossBias = 0.01;
 
 struct Options {
