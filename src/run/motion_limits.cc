@@ -93,41 +93,22 @@ class MotionLimits {
   const Duration end_;
 };
 
-/// What of the end effector's motion needs the largest stretch in time.
+/// Largest speed, acceleration or jerk of the end effector along a motion.
 struct EndEffectorPeak {
-  double stretch = 0;          ///< of all times, to bring `value` to its permitted share
-  Duration at{};               ///< since the motion began
   bool turns = false;          ///< or moves
-  std::size_t derivative = 0;  ///< speed, acceleration, jerk
+  std::size_t derivative = 0;  ///< 0 speed, 1 acceleration, 2 jerk
   double value = 0;            ///< in SI units
-  double limit = 0;
+  Duration at{};               ///< since the motion began
 };
 
-std::string Describe(const EndEffectorPeak& peak) {
-  constexpr std::array<std::string_view, 3> kNames{"a speed", "an acceleration", "a jerk"};
-  constexpr std::array<std::string_view, 3> kPer{"s", "s^2", "s^3"};
-  return fmt::format("the end effector {} at {} of {:.6g} {}/{}, its limit is {:.6g}",
-                     peak.turns ? "turns" : "moves", kNames[peak.derivative], peak.value,
-                     peak.turns ? "rad" : "m", kPer[peak.derivative], peak.limit);
-}
-
-/// @param shares  permitted, of the limits.
-EndEffectorPeak PeakOf(const CartesianLimits& limits, const reference::Timing& shares,
-                       const Transform& F_T_EE, const reference::Trajectory& trajectory) {
-  const std::array<double, 3> share{shares.velocity_scale, shares.acceleration_scale,
-                                    shares.jerk_scale};
-  EndEffectorPeak peak;
-  const auto compare = [&](Duration t, std::size_t derivative, const Vector6& rate) {
-    for (const bool turns : {false, true}) {
-      const CartesianBound& bound = turns ? limits.rotation : limits.translation;
-      const double limit = std::array{bound.dp_max, bound.ddp_max, bound.dddp_max}[derivative];
-      const double value = HalfNorm(rate, turns ? 3 : 0);
-      const double stretch =
-          std::pow(value / (limit * share[derivative] * reference::kAdmissibleShare),
-                   1.0 / static_cast<double>(derivative + 1));
-      if (stretch > peak.stretch) peak = {stretch, t, turns, derivative, value, limit};
-    }
-  };
+/// Of translation and rotation, by differences of the poses in successive cycles, as INT does.
+std::array<EndEffectorPeak, 6> PeaksOf(const reference::Trajectory& trajectory,
+                                       const Transform& F_T_EE) {
+  std::array<EndEffectorPeak, 6> peaks;
+  for (std::size_t i = 0; i < peaks.size(); ++i) {
+    peaks[i].turns = i % 2 == 1;
+    peaks[i].derivative = i / 2;
+  }
   const auto pose_at = [&](Duration t) {
     return model::ArmModel::Panda().Pose(model::Frame::kEndEffector, trajectory.Sample(t).q,
                                          F_T_EE);
@@ -138,17 +119,44 @@ EndEffectorPeak PeakOf(const CartesianLimits& limits, const reference::Timing& s
   for (Duration t = kCycle; t < end; t += kCycle) {
     const Transform now = pose_at(t);
     Vector6 change = model::WayTo(last, now);
-    for (std::size_t i = 0; i < rates.size(); ++i) {
+    for (Vector6& rate : rates) {
       for (std::size_t k = 0; k < change.size(); ++k) {
-        const double rate = change[k] / kT;
-        change[k] = rate - rates[i][k];
-        rates[i][k] = rate;
+        const double next = change[k] / kT;
+        change[k] = next - rate[k];
+        rate[k] = next;
       }
-      compare(t, i, rates[i]);
+    }
+    for (EndEffectorPeak& peak : peaks) {
+      const double value = HalfNorm(rates[peak.derivative], peak.turns ? 3 : 0);
+      if (value <= peak.value) continue;
+      peak.value = value;
+      peak.at = t;
     }
     last = now;
   }
-  return peak;
+  return peaks;
+}
+
+double LimitOf(const EndEffectorPeak& peak, const CartesianLimits& limits) {
+  const CartesianBound& bound = peak.turns ? limits.rotation : limits.translation;
+  return std::array{bound.dp_max, bound.ddp_max, bound.dddp_max}[peak.derivative];
+}
+
+/// Factor on all times that brings the peak to the share of its limit.
+double StretchOf(const EndEffectorPeak& peak, const CartesianLimits& limits,
+                 const reference::Timing& shares) {
+  const double share = std::array{shares.velocity_scale, shares.acceleration_scale,
+                                  shares.jerk_scale}[peak.derivative];
+  return std::pow(peak.value / (LimitOf(peak, limits) * share * reference::kAdmissibleShare),
+                  1.0 / static_cast<double>(peak.derivative + 1));
+}
+
+std::string Describe(const EndEffectorPeak& peak, const CartesianLimits& limits) {
+  constexpr std::array<std::string_view, 3> kNames{"a speed", "an acceleration", "a jerk"};
+  constexpr std::array<std::string_view, 3> kPer{"s", "s^2", "s^3"};
+  return fmt::format("the end effector {} at {} of {:.6g} {}/{}, its limit is {:.6g}",
+                     peak.turns ? "turns" : "moves", kNames[peak.derivative], peak.value,
+                     peak.turns ? "rad" : "m", kPer[peak.derivative], LimitOf(peak, limits));
 }
 
 model::LimitedArm ArmOf(const scenario::Scenario& scenario, const scenario::RobotData& robot) {
@@ -211,9 +219,10 @@ double EndEffectorStretch(const scenario::Scenario& scenario, const scenario::Ro
                           const reference::Trajectory& trajectory) {
   const scenario::MotionSection& motion = scenario.motion;
   if (motion.interface != control::CommandInterface::kCartesianPose) return 1;
-  const double stretch =
-      PeakOf(robot.cartesian, motion.timing, robot.F_T_EE(scenario.onboard.NE_T_EE), trajectory)
-          .stretch;
+  double stretch = 0;
+  for (const EndEffectorPeak& peak : PeaksOf(trajectory, robot.F_T_EE(scenario.onboard.NE_T_EE))) {
+    stretch = std::max(stretch, StretchOf(peak, robot.cartesian, motion.timing));
+  }
   constexpr double kBetweenSamples = 1.0001;
   return stretch <= 1 ? 1 : stretch * kBetweenSamples;
 }
@@ -226,14 +235,19 @@ void RequireEndEffectorWithinLimits(const CartesianLimits& limits, const Transfo
   }
   constexpr reference::Timing kWhole{
       .duration = {}, .velocity_scale = 1, .acceleration_scale = 1, .jerk_scale = 1};
-  const EndEffectorPeak peak = PeakOf(limits, kWhole, F_T_EE, motion.trajectory);
-  if (peak.stretch <= 1) return;
+  const auto stretch_of = [&](const EndEffectorPeak& peak) {
+    return StretchOf(peak, limits, kWhole);
+  };
+  const auto peaks = PeaksOf(motion.trajectory, F_T_EE);
+  const EndEffectorPeak& worst = *std::ranges::max_element(peaks, {}, stretch_of);
+  const double stretch = stretch_of(worst);
+  if (stretch <= 1) return;
   const Duration end = motion.trajectory.duration();
   throw InputError(
       fmt::format("motion: {}: {}; the same path is admissible from {:.3f} s in all: give the "
                   "motion more time, or command the joints",
-                  WhenText(peak.at, end), Describe(peak),
-                  std::ceil(ToSeconds(end) * peak.stretch * 1e3) / 1e3));
+                  WhenText(worst.at, end), Describe(worst, limits),
+                  std::ceil(ToSeconds(end) * stretch * 1e3) / 1e3));
 }
 
 void RequireStartWithinLimits(const scenario::Scenario& scenario, const scenario::RobotData& robot,

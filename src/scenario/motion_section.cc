@@ -1,4 +1,5 @@
 #include <limits>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -25,12 +26,10 @@ Value At(std::optional<Duration>& at) {
   return Optional(at, [](Duration& time) { return TimeSpan(time, Duration::zero(), kDay); });
 }
 
-void AddDuration(Map& map, reference::Timing& timing) {
-  map.Add(
-      "duration",
-      Optional(timing.duration, [](Duration& all) { return TimeSpan(all, Duration(1), kDay); }),
-      "Total time; absent: as fast as the shares allow of the limits of the joints and, commanded "
-      "as poses, of the end effector.");
+void AddDuration(Map& map, reference::Timing& timing, std::string_view meaning) {
+  map.Add("duration",
+          Optional(timing.duration, [](Duration& all) { return TimeSpan(all, Duration(1), kDay); }),
+          meaning);
 }
 
 /// {q: [7 numbers], at: 0 s, stop: true}. @param unit  factor to rad.
@@ -46,7 +45,9 @@ Value WaypointOf(reference::Waypoint& point, const std::shared_ptr<double>& unit
 void DescribeTrajectory(Map& map, MotionSection& motion) {
   const auto unit = std::make_shared<double>(1);
   map.Require("unit", Unit(*unit, kAngle), "Unit of all q.");
-  AddDuration(map, motion.timing);
+  AddDuration(map, motion.timing,
+              "Total time; absent: as fast as the shares of the limits allow, of the joints' and, "
+              "with interface cartesian_pose, of the end effector's.");
   DescribeShares(map, motion.timing, 1e-6);
   map.Require("waypoints",
               List(
@@ -108,7 +109,7 @@ void DescribePoses(Map& map, MotionSection& motion) {
                   [&motion](const JointVector& q) { motion.waypoints = {{.q = q}}; }),
               "Where the arm begins; its pose is the first one.")
       .Then([&motion](const YamlNode& node) { motion.waypoints.front().where = node.Where(); });
-  AddDuration(map, motion.timing);
+  AddDuration(map, motion.timing, "Total time; absent: as fast as the shares of the limits allow.");
   DescribeShares(map, motion.timing, 1e-6);
   map.Require("waypoints", ListOf(motion.poses), "Poses of the end effector, at rest in each.")
       .Then([&map, &motion](const YamlNode& /*node*/) {

@@ -51,7 +51,7 @@ constexpr std::size_t kMostShrunk = 5;
 constexpr double kMostRefused = 0.1;  ///< of drawn worlds, once they are enough
 constexpr std::uint64_t kEnoughWorlds = 1000;
 constexpr std::uint64_t kAgain = 64;  ///< worlds, for what they leave in memory
-/// Bytes, by all of them: half of what the smallest allocation makes, 32 bytes, if each leaves one.
+/// Bytes that those worlds may leave: half of one smallest allocation, 32 bytes, per world.
 constexpr std::int64_t kMostKept = 1024;
 constexpr double kUnlikelyInAll = 8;  ///< standard deviations
 constexpr double kLossBias = 0.01;

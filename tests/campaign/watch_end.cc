@@ -18,7 +18,7 @@ constexpr Duration kHandLate = 12 * kCycle;  ///< from when a command is due to 
 constexpr double kHandNear = 1e-3;           ///< m
 
 /// By INT's joint impedance, of an arm that INT knows, at a rate whose matching lags by 1 mrad or
-/// two, by a controller that is never silent: the arm lags by as long.
+/// two, by a controller that never pauses, since the arm lags by the pause.
 bool MustFollow(const scenario::Scenario& world) {
   const scenario::PlantSection usual;
   const bool is_silent = std::holds_alternative<faults::EmpiricalDelay>(world.controller.cost.law);

@@ -29,7 +29,7 @@ class ViabilityTest : public ::testing::Test {
     });
   }
 
-  /// Runs of lost commands, `longest` of them in a row, every 211 ms, at times of the seed's.
+  /// Runs of lost commands, `longest` of them in a row, every 211 ms; the seed shifts them.
   static void Lose(scenario::Scenario& scenario, std::uint32_t longest) {
     scenario::ScriptedLoss script;
     for (int k = 1; k < 34; ++k) {
